@@ -26,20 +26,19 @@ const MOST_SHARE: f64 = 0.5;
 
 impl Record {
     /// What the channels seem to cut off in the last periods, of this length in seconds; `None` if
-    /// nothing. Of responses only velocities are looked at: a position stands still, too.
+    /// nothing, or if a period is no whole number of samples. Of responses only velocities are looked
+    /// at: a position stands still, too.
     pub(super) fn clipping(
         &self,
         periods: Periods,
         period_s: f64,
         stated: RecordStatement,
     ) -> Option<Box<Clipping>> {
-        let used = |channel: &[f64]| {
-            let length = periods.samples as usize;
-            let is_whole = periods.samples.fract() == 0.0;
-            let begin = channel.len().checked_sub(length * periods.count)?;
-            Some(begin).filter(|_| is_whole)
-        };
-        let begin = used(&self.input)?;
+        if periods.samples.fract() != 0.0 {
+            return None;
+        }
+        let length = periods.samples as usize;
+        let begin = self.input.len() - length * periods.count;
         let input = CutOff::of(&self.input[begin..]);
         let is_velocity = stated.kind == ResponseKind::Velocity;
         let response =
@@ -49,7 +48,7 @@ impl Record {
         }
         let filled = (input.share > 0.0).then(|| {
             let mut record = Self { time_s: Vec::new(), ..self.clone() };
-            input.fill(&mut record.input[begin..], periods.samples as usize);
+            input.fill(&mut record.input[begin..], length);
             let outputs = spectrum::of_periods(&record.output, periods);
             record.of_periods(outputs, (periods.samples, period_s), stated, &mut Vec::new())
         });
@@ -57,7 +56,7 @@ impl Record {
         let range = (response.share > 0.0).then(|| ChannelRange {
             lowest: lowest.unwrap_or(f64::NEG_INFINITY),
             highest: highest.unwrap_or(f64::INFINITY),
-            samples: periods.samples as usize,
+            samples: length,
         });
         let (input_share, response_share) = (input.share, response.share);
         Some(Box::new(Clipping { filled, input_share, range, response_share }))

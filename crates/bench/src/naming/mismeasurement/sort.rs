@@ -58,32 +58,16 @@ impl Sort {
         Self::PeakToPeakCalledPeak,
     ];
 
-    /// Those that are drawn in tables, in turn. Rms values and peak-to-peak values alternate in one place.
-    const OF_TABLES: [Self; 13] = [
-        Self::OneBadRowInAHundred,
-        Self::FiveBadRowsInAHundred,
-        Self::StdFactor,
-        Self::LevelGain,
-        Self::LevelPhase,
-        Self::RunGain,
-        Self::RunPhase,
-        Self::Conjugated,
-        Self::SineReference,
-        Self::ReversedSign,
-        Self::PositionCalledVelocity,
-        Self::RmsCalledPeak,
-        Self::ChannelSkew,
-    ];
-
     /// Those that are drawn in records. Their lines are computed from the samples, so that a convention
     /// of harmonics is none of them. A position that is called a velocity would move on where the axis
     /// is not symmetric, which lines cannot show.
     const OF_RECORDS: [Self; 2] = [Self::ReversedSign, Self::ChannelSkew];
 
-    /// The sorts of a kind of draw, in turn; none if its measurements are sound.
+    /// The sorts of a kind of draw, in turn; none if its measurements are sound. In tables, peak-to-peak
+    /// values, the last sort, alternate with rms values in their place.
     pub(in crate::naming) fn all_of(kind: Kind) -> &'static [Self] {
         match kind {
-            Kind::Mismeasured => &Self::OF_TABLES,
+            Kind::Mismeasured => &Self::ALL[..Self::ALL.len() - 1],
             Kind::MismeasuredRecord => &Self::OF_RECORDS,
             _ => &[],
         }

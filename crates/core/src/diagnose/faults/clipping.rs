@@ -63,7 +63,8 @@ mod tests {
         let rng = &mut ChaCha8Rng::seed_from_u64(5);
         let lines = multisine(40, 2.0, rng);
         let (machine, settings) = (Machine { plant: plant(), effects }, Settings::default());
-        let moved = respond(&machine, 0.0, OMEGA_RAD_S, &lines, 200, &settings).unwrap();
+        let moved =
+            respond(&machine, 0.0, OMEGA_RAD_S, &lines, SAMPLES / 2 - 1, &settings).unwrap();
         let mut sampled = |lines: &[Complex], share: f64, noise: f64| {
             let at = |n: usize| {
                 let turn = |k: usize| Complex::cis(TAU * (k * n % SAMPLES) as f64 / SAMPLES as f64);
@@ -95,13 +96,15 @@ mod tests {
         answer.measurement.iter().map(|fault| fault.fault).collect()
     }
 
-    // Noise of 0.3 % of the largest value is 0.5 % or less of the root mean square.
     #[test]
     fn a_channel_that_clips_is_named_and_mended() {
-        let found = answer(&[], [2.0, 0.7]);
-        assert_eq!(kinds(&found), [FaultKind::ClippedResponse], "{:?}", found.verdict);
-        assert!(found.causes.is_empty(), "{:?}", found.causes);
-        assert!(found.base.fit.nrmse < 5e-3, "{:?}", found.base.fit);
+        for (ends, kind) in
+            [([2.0, 0.7], FaultKind::ClippedResponse), ([0.7, 2.0], FaultKind::ClippedInput)]
+        {
+            let found = answer(&[], ends);
+            assert_eq!(kinds(&found), [kind], "{:?}", found.verdict);
+            assert_eq!(found.verdict, Verdict::Adequate, "{kind:?} {:?}", found.base.fit);
+        }
     }
 
     #[test]

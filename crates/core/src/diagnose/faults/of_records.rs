@@ -7,7 +7,7 @@
 //! time where the noise was measured: an effect behind the fault may be none of those that fit
 //! best without it.
 
-use crate::answers::{FaultKind, MeasurementFault};
+use crate::answers::MeasurementFault;
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::selection::evidence;
 use crate::diagnose::selection::models::Key;
@@ -62,14 +62,13 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     search.best
 }
 
-/// The data with the channels of these faults clipping; `None` if there are none.
+/// The data with the channels that seem to clip clipping; `None` if none does.
 fn clipped<'a>(suspects: &Suspects<'a>, faults: &[MeasurementFault]) -> Option<FitSession<'a>> {
+    if faults.is_empty() {
+        return None;
+    }
     let experiments = suspects.session.measurement().experiments();
-    let has = |kind: FaultKind| faults.iter().any(|fault| fault.fault == kind);
     let clipping = |index: usize| experiments[index].clipping.as_deref();
-    let response = has(FaultKind::ClippedResponse);
-    let input = has(FaultKind::ClippedInput);
-    let range = |index: usize| clipping(index)?.range;
     let filled = |index: usize, k: usize| {
         let before = experiments[index].input[k];
         let filled = clipping(index).and_then(|clipping| clipping.filled.as_ref());
@@ -77,12 +76,7 @@ fn clipped<'a>(suspects: &Suspects<'a>, faults: &[MeasurementFault]) -> Option<F
         let ratio = after.filter(|_| before != Complex::ZERO).map(|after| after / before);
         ratio.unwrap_or(Complex::ONE)
     };
-    match (response, input) {
-        (false, false) => None,
-        (true, false) => suspects.session.with_range(range),
-        (false, true) => suspects.session.with_input(filled),
-        (true, true) => suspects.session.with_range(range)?.with_input(filled),
-    }
+    suspects.session.with_range(|index| clipping(index)?.range)?.with_input(filled)
 }
 
 /// Models without a fault, and the best with one so far.

@@ -237,7 +237,7 @@ mod tests {
     fn each_fault_of_a_record_is_drawn_with_every_order_clean_and_with_an_effect() {
         let kinds = vec![Kind::MismeasuredRecord];
         let cases = Plan { kinds, mismeasured: 3, ..Plan::default() }.cases();
-        assert!(cases.iter().all(|case| case.level_db == 60) && cases.len() == 2 * 2 * 3);
+        assert!(cases.iter().all(|case| case.level_db == 60) && cases.len() == 2 * 3 * 3);
         let drawn = cases.iter().map(|case| (Sort::of(case), case.order, case.effect.is_some()));
         let different: HashSet<_> = drawn.collect();
         assert_eq!(different.len(), cases.len());

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
 use crate::machines::simulator::{Effect, Machine, Settings, respond};
-use crate::measurement::{Intersample, Measurement, Metadata, ResponseKind};
+use crate::measurement::{Complex, Experiment, Intersample, Measurement, Metadata, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 
 const SAMPLING: Sampling = Sampling { samples: 512, periods: 4 };
@@ -41,14 +41,41 @@ pub(super) fn multisine_record_of(
     seed: u64,
 ) -> Measurement {
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-    let (omega_rad_s, input) = (2.0, multisine(60, 2.0, rng));
-    let samples = SAMPLING.samples as f64;
+    let experiment =
+        recorded(kind, Machine { plant, effects }, course, multisine(60, 2.0, rng), rng);
+    Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
+}
+
+/// A record of the velocity under this multisine at two levels, and with the response of the second
+/// multiplied by a gain.
+pub(super) fn two_levels(effects: &[Effect], gain: f64, seed: u64) -> Measurement {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+    let input = multisine(60, 2.0, rng);
+    let machine = Machine { plant: plant(), effects };
+    let mut at = |level: f64| {
+        let input = input.iter().map(|line| level * line).collect();
+        recorded(ResponseKind::Velocity, machine, None, input, rng)
+    };
+    let mut experiments = vec![at(1.0), at(0.5)];
+    let second = &mut experiments[1];
+    second.response.iter_mut().for_each(|harmonic| harmonic.value *= gain);
+    let repeats = second.repeats.iter_mut().flat_map(|repeat| &mut repeat.response);
+    repeats.for_each(|value| *value *= gain);
+    Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+}
+
+fn recorded(
+    kind: ResponseKind,
+    machine: Machine<'_>,
+    course: Option<Intersample>,
+    input: Vec<Complex>,
+    rng: &mut ChaCha8Rng,
+) -> Experiment {
+    let (omega_rad_s, samples) = (2.0, SAMPLING.samples as f64);
     let factor = |k: usize| course.map_or(1.0.into(), |course| course.factor(k, samples));
     let driven: Vec<_> = input.iter().enumerate().map(|(k, line)| factor(k) * line).collect();
-    let (machine, settings) = (Machine { plant, effects }, Settings::default());
-    let response = respond(&machine, 0.0, omega_rad_s, &driven, 120, &settings).unwrap();
+    let response = respond(&machine, 0.0, omega_rad_s, &driven, 120, &Settings::default()).unwrap();
     let motion = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
     let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms(), step: 0.0 };
-    let experiment = motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap();
-    Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
+    motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap()
 }

@@ -63,10 +63,14 @@ impl Instrument {
     }
 }
 
-/// Any recording. A held input is a fault itself, so that one with another fault is not held.
+/// Any recording. A held input is a fault itself, so that one with another fault is not held; and
+/// another gain of one experiment needs several.
 fn recording(case: &Case, rng: &mut ChaCha8Rng) -> Recording {
-    let has_fault = Sort::of(case).is_some();
-    let fits = |recording: &Recording| !has_fault || *recording != Recording::Held;
+    let fits = |recording: &Recording| match Sort::of(case) {
+        None => true,
+        Some(Sort::RunGain) => matches!(recording, Recording::Multisine { levels: 2.. }),
+        Some(_) => *recording != Recording::Held,
+    };
     let all: Vec<Recording> = Recording::ALL.into_iter().filter(fits).collect();
     all[rng.random_range(0..all.len())]
 }

@@ -61,7 +61,7 @@ impl Sort {
     /// Those that are drawn in records. Their lines are computed from the samples, so that a convention
     /// of harmonics is none of them. A position that is called a velocity would move on where the axis
     /// is not symmetric, which lines cannot show.
-    const OF_RECORDS: [Self; 2] = [Self::ReversedSign, Self::ChannelSkew];
+    const OF_RECORDS: [Self; 3] = [Self::ReversedSign, Self::ChannelSkew, Self::RunGain];
 
     /// The sorts of a kind of draw, in turn; none if its measurements are sound. In tables, peak-to-peak
     /// values, the last sort, alternate with rms values in their place.

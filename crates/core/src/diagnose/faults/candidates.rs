@@ -136,7 +136,8 @@ fn row(cell: &Cell) -> Candidate {
     }
 }
 
-fn gain(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
+/// Another gain of what these cells hold; the parameter is relative.
+pub(super) fn gain(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
     let columns = vec![column(cells, |cell| cell.simulated)];
     Candidate { kind, place, columns, deviation: Some(GAIN_DEVIATION), price, positive: false }
 }

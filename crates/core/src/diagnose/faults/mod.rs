@@ -15,6 +15,7 @@
 //! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
 //! Faults of one row, level or experiment are looked for in tables only.
 
+mod beside;
 mod candidates;
 mod clipping;
 mod course;
@@ -25,11 +26,13 @@ mod mending;
 mod noise_size;
 pub(super) mod of_records;
 mod one_level_out;
+mod power;
 mod projection;
 pub(super) mod readings;
 mod repeats;
 mod retest;
 mod row_regions;
+mod run_gain;
 mod scan;
 mod skew;
 pub(super) mod suspects;

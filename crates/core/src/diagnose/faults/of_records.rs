@@ -1,23 +1,26 @@
-//! Faults that a whole record may have: another [`course`] of its input between the samples, a
-//! response that is ahead of it ([`skew`]), or a channel that clips ([`clipping`]).
+//! Faults that records may have: another [`course`] of the input between its samples, a response that
+//! is ahead of it ([`skew`]), another gain of one experiment ([`run_gain`]), or a channel that clips
+//! ([`clipping`]).
 //!
 //! One is found where a model with it leaves only noise. Where more than noise remains whatever is
 //! tried, as of a machine with small effects beside its large ones, another course is found if one effect
-//! of the best model is not needed with it, and another fault if it is far better. That is enough at any
-//! time where the noise was measured: an effect behind the fault may be none of those that fit
-//! best without it.
+//! of the best model is not needed with it, and another fault, but no gain, if it is far better. That is
+//! enough at any time where the noise was measured: an effect behind the fault may be none of those
+//! that fit best without it. A gain is not: it follows whatever depends on the amplitude.
 
-use crate::answers::MeasurementFault;
+use crate::answers::{FaultKind, MeasurementFault};
 use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::selection::evidence;
 use crate::diagnose::selection::models::Key;
 use crate::identify::{FitAccuracy, FitSession, Intervals, Model};
 use crate::measurement::Complex;
 
+use super::beside::{self, OneNumber};
 use super::candidates::FAULT_COST;
 use super::clipping;
 use super::course;
-use super::skew;
+use super::run_gain::RunGain;
+use super::skew::Skew;
 use super::suspects::{CLEARLY_BETTER, Suspected, Suspects};
 
 /// Models that are tried with each fault where the best leaves only noise: those of most evidence,
@@ -43,14 +46,18 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
             search.consider(&session, &model, &[MeasurementFault::of(kind)], price);
         }
     }
-    for start in search.starts.clone() {
-        let complexity =
-            evidence::complexity(suspects.session, &start, &suspects.models.noise_scale);
-        if let Some(found) = skew::beside(suspects, &start, search.least - complexity) {
-            search.consider(&found.session, &found.model, &[found.fault], found.price);
+    let experiments = suspects.session.measurement().experiments();
+    let gains = RunGain::each(experiments);
+    let gains: Vec<&dyn OneNumber> = gains.iter().map(|gain| gain as &dyn OneNumber).collect();
+    for faults in [&[&Skew as &dyn OneNumber], gains.as_slice()] {
+        for start in search.starts.clone() {
+            search.fit_beside(&start, faults);
         }
     }
-    let faults = clipping::faults(suspects.session.measurement().experiments());
+    if search.more_is_left {
+        search.fit_beside(suspects.session.base(), &gains);
+    }
+    let faults = clipping::faults(experiments);
     if let Some(session) = clipped(suspects, &faults) {
         let price = FAULT_COST * faults.len() as f64;
         let (base, best) = (suspects.session.base().clone(), search.best_model.clone());
@@ -135,6 +142,16 @@ impl<'a> Search<'a> {
             || model.cost < course::MOST_LEFT * self.suspects.dof()
     }
 
+    /// Fits a model beside that of these faults which explains most.
+    fn fit_beside(&mut self, start: &Model, faults: &[&dyn OneNumber]) {
+        let suspects = self.suspects;
+        let complexity =
+            evidence::complexity(suspects.session, start, &suspects.models.noise_scale);
+        if let Some(found) = beside::best(suspects, start, self.least - complexity, faults) {
+            self.consider(&found.session, &found.model, &[found.fault], found.price);
+        }
+    }
+
     /// Keeps a model with a fault if it is better than what was found before.
     fn consider(
         &mut self,
@@ -156,11 +173,11 @@ impl<'a> Search<'a> {
         }
         let Ok(fit) = session.judge(&model, Intervals::Curvature) else { return };
         let observer = session.observer();
-        let is_course = faults.iter().any(|one| course::COURSES.contains(&one.fault));
         let is_clear = self.without - criterion > CLEARLY_BETTER;
-        let enough = match is_course {
-            true => self.more_is_left,
-            false => is_clear && (self.more_is_left || self.noise_is_measured()),
+        let enough = match faults.first().map(|fault| fault.fault) {
+            Some(FaultKind::RunGain) => false,
+            Some(kind) if course::COURSES.contains(&kind) => self.more_is_left,
+            _ => is_clear && (self.more_is_left || self.noise_is_measured()),
         };
         if enough || discrepancy::is_noise(&fit, suspects.seed, observer) {
             self.least = criterion;

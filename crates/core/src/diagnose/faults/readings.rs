@@ -12,13 +12,13 @@ use crate::identify::{FitSession, IdentifyRequest, Intervals};
 use crate::measurement::{Measurement, ResponseKind};
 use crate::observer::Observer;
 
-use super::mending;
+use super::{mending, power};
 use crate::diagnose::doubt::{Halt, Suspicion};
 use crate::diagnose::progress::{Part, Quiet};
 
 /// Another reading is tried only where the base model leaves more than this of the response.
 const LEAST_LEFT: f64 = 0.01;
-/// The same where inputs have many lines, so that a fit takes seconds.
+/// The same where inputs have many lines, so that a fit takes seconds, unless the axis would give power.
 const LEAST_LEFT_OF_RECORD: f64 = 0.9;
 
 /// Fewest real data that tell readings apart.
@@ -92,7 +92,7 @@ pub(super) fn explained(
         return None;
     }
     if !is_table {
-        return clearly_better(best(answer), measurement, request, observer);
+        return clearly_better(best(answer), others(measurement), measurement, request, observer);
     }
     let options = IdentifyOptions { most_effects: 1, ..request.options };
     let alone = IdentifyRequest { options, ..*request };
@@ -118,23 +118,27 @@ fn better(
         return None;
     }
     let as_stated = left(session)?;
-    let least = if session.has_cosines_alone() { LEAST_LEFT } else { LEAST_LEFT_OF_RECORD };
-    if as_stated <= least {
+    if as_stated <= LEAST_LEFT {
         return None;
     }
-    clearly_better(as_stated, measurement, request, observer)
+    let of_others = |others| clearly_better(as_stated, others, measurement, request, observer);
+    if session.has_cosines_alone() || as_stated > LEAST_LEFT_OF_RECORD {
+        return of_others(others(measurement));
+    }
+    let reversed = MeasurementFault::of(FaultKind::ReversedSign);
+    power::is_negative(measurement).then(|| of_others(vec![reversed])).flatten()
 }
 
-/// The reading of which the base model leaves least, if that is far less than what is left of the
-/// stated one.
+/// That of these readings of which the base model leaves least, if that is far less than what is left of
+/// the stated one.
 fn clearly_better(
     as_stated: f64,
+    others: Vec<MeasurementFault>,
     measurement: &Measurement,
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Option<MeasurementFault> {
-    let others = others(measurement).into_iter();
-    let read = others.filter_map(|reading| {
+    let read = others.into_iter().filter_map(|reading| {
         let (left, _) = read_as(&reading, measurement, request, observer)?;
         Some((left, reading))
     });

@@ -6,116 +6,35 @@
 use std::f64::consts::TAU;
 
 use crate::answers::{FaultKind, MeasurementFault};
-use crate::identify::{FitAccuracy, FitSession, Intervals, Model};
 use crate::measurement::Complex;
 
 use crate::diagnose::residuals::layout::Cell;
-use crate::diagnose::residuals::residual::Residuals;
 
+use super::beside::OneNumber;
 use super::candidates::{Candidate, FAULT_COST, PHASE_DEVIATION, Place, column};
 use super::fault;
-use super::mending;
-use super::projection::Outside;
-use super::suspects::Suspects;
 
-/// Most fits of a model, each beside another time.
-const MOST_ROUNDS: usize = 8;
+/// A response that is ahead by a time, s.
+pub(super) struct Skew;
 
-/// A model beside a response that is ahead.
-pub(super) struct Skewed<'a> {
-    /// The data with the response delayed by what it is ahead, to a standard deviation.
-    pub session: FitSession<'a>,
-    /// The model, fitted to that.
-    pub model: Model,
-    /// The fault, with its time in seconds.
-    pub fault: MeasurementFault,
-    /// −2 ln of its prior probability, and the volume of the time.
-    pub price: f64,
-}
-
-/// The time by which the response is ahead, fitted together with a model by Gauss–Newton steps, each
-/// halved until the fit is better; the last is shorter than a standard deviation. `None` if the response
-/// is not ahead, or if the first step promises less than half of what is needed for −2 ln likelihood to
-/// fall below `least`: far from the best time it promises less than it brings.
-pub(super) fn beside<'a>(suspects: &Suspects<'a>, start: &Model, least: f64) -> Option<Skewed<'a>> {
-    let experiments = suspects.session.measurement().experiments();
-    let at = |seconds: f64| {
-        let faults = [fault::timed(seconds, 0.0)];
-        suspects
-            .session
-            .changed(|experiment, order| mending::change(&faults, experiments, experiment, order))
-    };
-    let (mut session, mut model) = (at(0.0), start.clone());
-    let (mut seconds, mut step) = (0.0, Step::of(&session, &model, suspects)?);
-    let mut moved = step.seconds;
-    for _ in 0..MOST_ROUNDS {
-        let is_ahead = seconds + moved > 0.0;
-        let is_enough = step.misfit + step.price - least <= 2.0 * step.gain;
-        let is_last = seconds > 0.0 && moved.abs() < step.deviation;
-        if is_last || !(is_ahead && is_enough) {
-            break;
-        }
-        let trial = at(seconds + moved);
-        let fitted = trial.refine(&model, FitAccuracy::Settle);
-        match Step::of(&trial, &fitted, suspects) {
-            Some(next) if next.misfit < step.misfit => {
-                seconds += moved;
-                moved = next.seconds;
-                (session, model, step) = (trial, fitted, next);
-            }
-            _ => moved *= 0.5,
-        }
-    }
-    let last = if moved.abs() < step.deviation { moved } else { 0.0 };
-    let fault = fault::timed(seconds + last, step.deviation);
-    (seconds > 0.0).then_some(Skewed { session, model, fault, price: step.price })
-}
-
-/// By how much the response is ahead of what a model predicts, to first order.
-struct Step {
-    seconds: f64,
-    /// Standard deviation, s.
-    deviation: f64,
-    /// −2 ln likelihood before the step, and by how much the step lowers it.
-    misfit: f64,
-    gain: f64,
-    price: f64,
-}
-
-impl Step {
-    fn of(session: &FitSession<'_>, model: &Model, suspects: &Suspects<'_>) -> Option<Self> {
-        if !model.cost.is_finite() {
-            return None;
-        }
-        let fit = session.judge(model, Intervals::Curvature).ok()?;
-        let residuals = Residuals::of(&fit);
-        let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
+impl OneNumber for Skew {
+    fn candidate(&self, cells: &[&Cell]) -> Candidate {
         let excited = cells.iter().filter(|cell| cell.excited);
-        let fastest = excited.map(|cell| cell.frequency_hz).fold(0.0, f64::max);
+        let fastest = TAU * excited.map(|cell| cell.frequency_hz).fold(0.0, f64::max);
         // Each cell is one line, so that its frequency is that of the line.
-        let turned = |cell: &Cell| Complex::new(0.0, cell.frequency_hz / fastest) * cell.simulated;
-        let candidate = Candidate {
+        let turned = |cell: &Cell| Complex::new(0.0, TAU * cell.frequency_hz) * cell.simulated;
+        Candidate {
             kind: FaultKind::ChannelSkew,
             place: Place::All,
-            columns: vec![column(&cells, turned)],
-            deviation: Some(PHASE_DEVIATION),
+            columns: vec![column(cells, turned)],
+            deviation: Some(PHASE_DEVIATION / fastest),
             price: FAULT_COST,
-            positive: false,
-        };
-        let outside = Outside::of(&candidate, &residuals.fitted)?;
-        let left = residuals.fitted.complement(&residuals.values);
-        let (decrease, values) = outside.best(&left);
-        let all = left.norm_squared();
-        let scale = if suspects.size_known() { 1.0 } else { all / residuals.dof() };
-        let per_angle = 1.0 / (TAU * fastest);
-        let misfit = suspects.misfit_of_noise(model.cost);
-        Some(Self {
-            seconds: per_angle * values[0],
-            deviation: per_angle * scale.sqrt() * outside.deviations()[0],
-            misfit,
-            gain: misfit - suspects.misfit_of_noise(model.cost * (1.0 - decrease / all)),
-            price: FAULT_COST + outside.volume(decrease / scale),
-        })
+            positive: true,
+        }
+    }
+
+    fn fault(&self, seconds: f64, deviation: f64) -> MeasurementFault {
+        fault::timed(seconds, deviation)
     }
 }
 

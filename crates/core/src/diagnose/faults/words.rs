@@ -60,14 +60,18 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
             ),
             "; corrected: the noise is taken to be that large",
         ),
-        FaultKind::LevelGain | FaultKind::RunGain => (
-            format!(
-                "{place} the response is {} times as large as the rest of the measurement \
-                 predicts{interval}",
-                digits(value)
-            ),
-            "; corrected: divided by that",
-        ),
+        FaultKind::LevelGain | FaultKind::RunGain => {
+            let is_either = fault.experiment.is_some() && measurement.experiments().len() == 2;
+            let doubt = if is_either { "; which of the two is wrong they do not show" } else { "" };
+            (
+                format!(
+                    "{place} the response is {} times as large as the rest of the measurement \
+                     predicts{interval}{doubt}",
+                    digits(value)
+                ),
+                "; corrected: divided by that",
+            )
+        }
         FaultKind::LevelPhase | FaultKind::RunPhase => (
             format!(
                 "{place} the phase of the fundamental differs by {}°{interval} from what the rest \
@@ -175,6 +179,9 @@ fn kind_name(measurement: &Measurement) -> &'static str {
 
 fn place(measurement: &Measurement, index: usize) -> String {
     let Some(experiment) = measurement.experiments().get(index) else { return String::new() };
+    if experiment.pure_cosine().is_none() {
+        return format!("in experiment {}", index + 1);
+    }
     let unit = &measurement.metadata().input.unit;
     let space = if unit.is_empty() { "" } else { " " };
     format!(

@@ -74,7 +74,7 @@ impl Mismeasured {
             shows: *shows,
             left_by_own_model: None,
             named: named > 0,
-            in_place: of_kind.filter_map(|one| is_in_place(fault, one)).reduce(|a, b| a || b),
+            in_place: of_kind.filter_map(|one| is_in_place(mistake, one)).reduce(|a, b| a || b),
             another_named: named < found.len(),
             rows: rows(fault, found),
         }
@@ -102,9 +102,12 @@ fn stands_for(mistake: &Mistake, found: &MeasurementFault) -> bool {
 }
 
 /// Whether a fault of the right kind is named at the right level or experiment; `None` if the fault
-/// has no such place.
-fn is_in_place(fault: &Mismeasurement, found: &MeasurementFault) -> Option<bool> {
-    let run = fault.experiment().map(|experiment| found.experiment == Some(experiment));
+/// has no such place. Of two experiments, which has the wrong gain cannot be told.
+fn is_in_place(mistake: &Mistake, found: &MeasurementFault) -> Option<bool> {
+    let Mistake { fault, sound, .. } = mistake;
+    let is_either = sound.experiments().len() == 2;
+    let is = |experiment| is_either || found.experiment == Some(experiment);
+    let run = fault.experiment().map(is);
     let same = |is: f64, named: f64| (named / is - 1.0).abs() <= SAME_MAGNITUDE;
     let level = fault.magnitude().map(|is| found.magnitude.is_some_and(|named| same(is, named)));
     run.or(level)

@@ -7,8 +7,8 @@
 //! describing function: good for a start, never for a comparison of models.
 //!
 //! For general inputs: the measured harmonics give the motion, hence when the axis moves in which
-//! direction, hence the harmonics S⁺ and S⁻ of the indicators of v > 0 and v < 0. Then Uₖ = (jkω +
-//! a)·Vₖ/K + Fc⁺·Sₖ⁺ − Fc⁻·Sₖ⁻ is linear in 1/K, a/K, Fc⁺ and Fc⁻.
+//! direction, hence the harmonics S⁺ and S⁻ of the indicators of v > 0 and v < 0. Then A(jkω)·Uₖ =
+//! (jkω + a)·Vₖ/K + Fc⁺·Sₖ⁺ − Fc⁻·Sₖ⁻ is linear in 1/K, a/K, Fc⁺ and Fc⁻ for each actuator.
 
 mod describing_function;
 mod inverse_dynamics;
@@ -17,13 +17,13 @@ use crate::plant::{Actuator, Plant};
 
 use super::problem::Problem;
 use describing_function::{actuator_from_pairs, magnitude_pairs, mechanics, moving_fundamentals};
-use inverse_dynamics::inverse_dynamics;
+use inverse_dynamics::{fast, inverse_dynamics, over_the_band};
 
 /// A starting plant, in scale; `None` if the data does not allow one.
 pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
     let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
     if !cosines {
-        return inverse_dynamics(problem, order);
+        return inverse_dynamics(problem, &[fast(order, &problem.prior)]);
     }
     let fundamentals = moving_fundamentals(problem);
     let actuator = match order {
@@ -31,6 +31,14 @@ pub(super) fn start(problem: &Problem, order: u8) -> Option<Plant> {
         _ => actuator_from_pairs(&fundamentals, order)?,
     };
     mechanics(&fundamentals, actuator)
+}
+
+/// The same for general inputs, beside the best of many actuators; `None` for cosines, or without an
+/// actuator.
+pub(super) fn beside_actuators(problem: &Problem, order: u8) -> Option<Plant> {
+    let cosines = problem.experiments.iter().all(|e| e.excitation.is_pure_cosine());
+    let has_some = order > 0 && !cosines;
+    has_some.then(|| inverse_dynamics(problem, &over_the_band(order, &problem.prior))).flatten()
 }
 
 /// Whether pure cosines move the axis at two magnitudes of one frequency.
@@ -86,5 +94,20 @@ mod tests {
         let problem = Problem::new(&one).unwrap();
         assert!(start(&problem, 0).is_some());
         assert!(start(&problem, 1).is_none() && start(&problem, 2).is_none());
+    }
+
+    // Neighbouring natural frequencies that are tried with such a resonance differ by 3 and 10 %.
+    #[test]
+    fn a_multisine_shows_the_sharp_resonance_of_an_actuator() {
+        let plant =
+            axis(Actuator::SecondOrder { natural_frequency_rad_s: 15.3, damping_ratio: 0.05 });
+        let problem = Problem::new(&multisine(&plant)).unwrap();
+        let found = problem.in_units(&beside_actuators(&problem, 2).unwrap());
+        let Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } = found.actuator
+        else {
+            panic!("{found:?}")
+        };
+        assert!((natural_frequency_rad_s / 15.3).ln().abs() < 0.1, "{found:?}");
+        assert!(damping_ratio < 0.2, "{found:?}");
     }
 }

@@ -8,16 +8,31 @@ use crate::singular_values::SingularValues;
 /// component along their directions.
 const RANK_TOLERANCE: f64 = 1e-12;
 
-/// The shortest x that minimises |rows·x − right|, by singular value decomposition. `None` if an
-/// entry or the solution is not finite.
-pub(super) fn solve(rows: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-    if !finite(rows.as_slice()) || !finite(right.as_slice()) {
-        return None;
+/// The rows of a least-squares problem, decomposed once for any number of right-hand sides.
+pub(super) struct Decomposed(SingularValues);
+
+impl Decomposed {
+    /// `None` if an entry is not finite.
+    pub fn of(rows: DMatrix<f64>) -> Option<Self> {
+        is_finite(rows.as_slice()).then(|| Self(SingularValues::of(rows)))
     }
+
+    /// For each right-hand side the shortest x that minimises |rows·x − right|, by singular value
+    /// decomposition. `None` if an entry or a solution is not finite.
+    pub fn solve(&self, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let solutions = is_finite(right.as_slice()).then(|| self.0.solve(right, RANK_TOLERANCE))?;
+        is_finite(solutions.as_slice()).then_some(solutions)
+    }
+}
+
+/// The solution for a single right-hand side: see [`Decomposed::solve`].
+pub(super) fn solve(rows: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
-    let solution = SingularValues::of(rows).solve(&right, RANK_TOLERANCE).column(0).into_owned();
-    finite(solution.as_slice()).then_some(solution)
+    Some(Decomposed::of(rows)?.solve(&right)?.column(0).into_owned())
+}
+
+fn is_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
 }
 
 #[cfg(test)]

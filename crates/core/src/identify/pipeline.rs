@@ -65,6 +65,9 @@ pub(super) struct Run<'a> {
 struct StageResults {
     /// Points to refine, as coordinates.
     starts: Vec<Vec<f64>>,
+    /// The closed form beside the best of many actuators, as coordinates: followed only if it leads to a
+    /// far better fit than all others.
+    beside_actuators: Option<Vec<f64>>,
     /// First points of the search, in the unit cube.
     sources: Vec<Vec<f64>>,
     stages: Vec<Stage>,

@@ -69,6 +69,18 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     search.best
 }
 
+/// The base model of a record with another gain of one experiment, if it leaves only noise.
+pub(super) fn gain_beside_the_base_model(suspects: &Suspects<'_>) -> Option<Suspected> {
+    if !suspects.are_enough() {
+        return None;
+    }
+    let mut search = Search::of(suspects, |_| true)?;
+    let gains = RunGain::each(suspects.session.measurement().experiments());
+    let gains: Vec<&dyn OneNumber> = gains.iter().map(|gain| gain as &dyn OneNumber).collect();
+    search.fit_beside(suspects.session.base(), &gains);
+    search.best
+}
+
 /// The data with the channels that seem to clip clipping; `None` if none does.
 fn clipped<'a>(suspects: &Suspects<'a>, faults: &[MeasurementFault]) -> Option<FitSession<'a>> {
     if faults.is_empty() {

@@ -18,7 +18,8 @@ use crate::diagnose::progress::{Part, Quiet};
 
 /// Another reading is tried only where the base model leaves more than this of the response.
 const LEAST_LEFT: f64 = 0.01;
-/// The same where inputs have many lines, so that a fit takes seconds, unless the axis would give power.
+/// The same where inputs have many lines, so that a fit takes seconds, unless power says
+/// that the sign is wrong.
 const LEAST_LEFT_OF_RECORD: f64 = 0.9;
 
 /// Fewest real data that tell readings apart.
@@ -126,7 +127,7 @@ fn better(
         return of_others(others(measurement));
     }
     let reversed = MeasurementFault::of(FaultKind::ReversedSign);
-    power::is_negative(measurement).then(|| of_others(vec![reversed])).flatten()
+    power::is_reversed(measurement).then(|| of_others(vec![reversed])).flatten()
 }
 
 /// That of these readings of which the base model leaves least, if that is far less than what is left of

@@ -71,7 +71,8 @@ mod tests {
 
     #[test]
     fn another_gain_at_one_level_of_a_record_is_named_with_its_size() {
-        for gain in [0.8, 1.05] {
+        // With the first, the base model is so far off that all lines are weighed alike first.
+        for gain in [0.5, 0.8, 1.05] {
             let found = answer(&[], gain);
             assert_eq!(found.verdict, Verdict::Adequate, "{:?}", found.measurement);
             assert!(only_fault(&found, gain), "{:?}", found.measurement);

@@ -1,67 +1,132 @@
 //! Mechanics from the measured motion and its input, whatever their course.
 
-use nalgebra::{DMatrix, DVector};
+use std::iter;
+
+use nalgebra::DMatrix;
 use rustfft::FftPlanner;
 
-use crate::identify::linear_least_squares;
+use crate::identify::linear_least_squares::Decomposed;
+use crate::identify::parameters::Prior;
 use crate::identify::problem::{Prepared, Problem};
 use crate::measurement::Complex;
 use crate::plant::{Actuator, Friction, Plant};
 
-/// Least squares for 1/K, a/K, Fc⁺ and Fc⁻ from the measured motion (inverse dynamics).
-pub(super) fn inverse_dynamics(problem: &Problem, order: u8) -> Option<Plant> {
-    let mut columns: Vec<[Complex; 5]> = Vec::new();
-    for experiment in &problem.experiments {
-        let omega = experiment.excitation.omega_rad_s();
-        let velocity = velocity_lines(experiment);
-        let (forward, backward) = directions(&velocity);
-        for target in experiment.targets.iter().filter(|t| t.order > 0) {
-            let k = target.order;
-            let line = experiment.excitation.input().get(k).copied().unwrap_or_default();
-            columns.push([
-                Complex::new(0.0, k as f64 * omega) * velocity[k],
-                velocity[k],
-                forward[k],
-                -backward[k],
-                line,
-            ]);
+/// Actuators for which equations are solved at once.
+const AT_ONCE: usize = 64;
+/// Range of their frequencies beyond that of the data, as a factor on either side.
+const BEYOND: f64 = 3.0;
+/// Ratio of neighbouring corner frequencies.
+const CORNER_RATIO: f64 = 1.2;
+/// Damping ratios. Neighbouring natural frequencies differ by as much: that is half the width of a
+/// resonance at half its power.
+const DAMPING_RATIOS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+
+/// One line of an experiment.
+struct Line {
+    omega_rad_s: f64,
+    /// jω·V, V, S⁺ and −S⁻.
+    columns: [Complex; 4],
+    input: Complex,
+}
+
+/// Least squares for 1/K, a/K, Fc⁺ and Fc⁻ from the measured motion (inverse dynamics), beside each of
+/// these actuators. The best is that of which the velocities err least.
+pub(super) fn inverse_dynamics(problem: &Problem, actuators: &[Actuator]) -> Option<Plant> {
+    let lines: Vec<Line> = problem.experiments.iter().flat_map(lines).collect();
+    let part = |value: Complex, row: usize| if row % 2 == 0 { value.re } else { value.im };
+    let height = 2 * lines.len();
+    let rows = DMatrix::from_fn(height, 4, |r, c| part(lines[r / 2].columns[c], r));
+    let decomposed = Decomposed::of(rows.clone())?;
+    let mut best: Option<(f64, Plant)> = None;
+    for actuators in actuators.chunks(AT_ONCE) {
+        let right = DMatrix::from_fn(height, actuators.len(), |r, c| {
+            let Line { omega_rad_s, input, .. } = lines[r / 2];
+            part(actuators[c].response(omega_rad_s) * input, r)
+        });
+        let solutions = decomposed.solve(&right)?;
+        let left = right - &rows * &solutions;
+        for (c, actuator) in actuators.iter().enumerate() {
+            let [inertia, viscous, forward, backward] = [0, 1, 2, 3].map(|i| solutions[(i, c)]);
+            if inertia <= 0.0 {
+                continue;
+            }
+            let oscillating = lines.iter().enumerate().filter(|(_, line)| line.omega_rad_s > 0.0);
+            let errors = oscillating.map(|(l, line)| {
+                let torque = Complex::new(left[(2 * l, c)], left[(2 * l + 1, c)]);
+                (torque / Complex::new(viscous, inertia * line.omega_rad_s)).norm_sqr()
+            });
+            let error: f64 = errors.sum();
+            if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                // A rate that the regression finds negative is a small one.
+                let smallest_rate = problem.prior.omega_low / 10.0;
+                let plant = Plant {
+                    viscous_rate_rad_s: (viscous / inertia).max(smallest_rate),
+                    constant: 1.0 / inertia,
+                    actuator: *actuator,
+                    friction: Friction::coulomb(forward.max(0.0), backward.max(0.0)),
+                };
+                best = Some((error, plant));
+            }
         }
-        columns.push([
-            Complex::default(),
-            Complex::new(velocity[0].re, 0.0),
-            Complex::new(forward[0].re, 0.0),
-            Complex::new(-backward[0].re, 0.0),
-            Complex::new(experiment.excitation.input()[0].re, 0.0),
-        ]);
     }
-    let mut rows = DMatrix::zeros(2 * columns.len(), 4);
-    let mut right = DVector::zeros(2 * columns.len());
-    for (r, row) in columns.iter().enumerate() {
-        for c in 0..4 {
-            rows[(2 * r, c)] = row[c].re;
-            rows[(2 * r + 1, c)] = row[c].im;
-        }
-        right[2 * r] = row[4].re;
-        right[2 * r + 1] = row[4].im;
-    }
-    let solution = linear_least_squares::solve(rows, &right)?;
-    if solution[0] <= 0.0 {
-        return None;
-    }
-    let high = problem.prior.omega_high;
-    let actuator = match order {
+    best.map(|(_, plant)| plant)
+}
+
+/// An actuator of an order that is too fast for much of it to be seen.
+pub(super) fn fast(order: u8, prior: &Prior) -> Actuator {
+    let fast = prior.omega_high * BEYOND;
+    match order {
         0 => Actuator::Direct,
-        1 => Actuator::FirstOrder { corner_rad_s: 3.0 * high },
-        _ => Actuator::SecondOrder { natural_frequency_rad_s: 3.0 * high, damping_ratio: 0.7 },
+        1 => Actuator::FirstOrder { corner_rad_s: fast },
+        _ => Actuator::SecondOrder { natural_frequency_rad_s: fast, damping_ratio: 0.7 },
+    }
+}
+
+/// Actuators of an order over the whole band.
+pub(super) fn over_the_band(order: u8, prior: &Prior) -> Vec<Actuator> {
+    let [low, high] = [prior.omega_low / BEYOND, prior.omega_high * BEYOND];
+    let up = |ratio: f64| {
+        iter::successors(Some(high), move |omega| Some(omega / ratio))
+            .take_while(move |omega| *omega > low)
     };
-    // A rate that the regression finds negative is a small one.
-    let viscous_rate_rad_s = (solution[1] / solution[0]).max(problem.prior.omega_low / 10.0);
-    Some(Plant {
-        viscous_rate_rad_s,
-        constant: 1.0 / solution[0],
-        actuator,
-        friction: Friction::coulomb(solution[2].max(0.0), solution[3].max(0.0)),
-    })
+    match order {
+        0 => vec![Actuator::Direct],
+        1 => up(CORNER_RATIO).map(|corner_rad_s| Actuator::FirstOrder { corner_rad_s }).collect(),
+        _ => {
+            let of_damping = |damping_ratio: f64| {
+                up(1.0 + damping_ratio).map(move |natural_frequency_rad_s| Actuator::SecondOrder {
+                    natural_frequency_rad_s,
+                    damping_ratio,
+                })
+            };
+            DAMPING_RATIOS.into_iter().flat_map(of_damping).collect()
+        }
+    }
+}
+
+/// The lines of an experiment, its means the last.
+fn lines(experiment: &Prepared) -> Vec<Line> {
+    let omega = experiment.excitation.omega_rad_s();
+    let velocity = velocity_lines(experiment);
+    let (forward, backward) = directions(&velocity);
+    let input = experiment.excitation.input();
+    let oscillating = experiment.targets.iter().filter(|target| target.order > 0);
+    let mut lines: Vec<Line> = oscillating
+        .map(|target| {
+            let k = target.order;
+            let omega_rad_s = k as f64 * omega;
+            let acceleration = Complex::new(0.0, omega_rad_s) * velocity[k];
+            Line {
+                omega_rad_s,
+                columns: [acceleration, velocity[k], forward[k], -backward[k]],
+                input: input.get(k).copied().unwrap_or_default(),
+            }
+        })
+        .collect();
+    let real = |value: Complex| Complex::new(value.re, 0.0);
+    let means = [Complex::default(), velocity[0], forward[0], -backward[0]].map(real);
+    lines.push(Line { omega_rad_s: 0.0, columns: means, input: real(input[0]) });
+    lines
 }
 
 /// Measured V₀ … V_H; harmonics that were not measured are 0.

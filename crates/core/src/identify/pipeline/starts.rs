@@ -52,6 +52,8 @@ impl Run<'_> {
             found.sources.push(misfit.coordinates.share_of_search(&point));
             found.starts.push(point);
         }
+        let beside_actuators = closed_form::beside_actuators(self.problem, self.history.order);
+        found.beside_actuators = beside_actuators.map(|plant| misfit.coordinates.point(&plant));
     }
 
     fn network(&self, misfit: &Misfit<'_>, found: &mut StageResults) -> Result<(), IdentifyError> {

@@ -43,7 +43,8 @@ pub(super) fn multisine_record_of(
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     let experiment =
         recorded(kind, Machine { plant, effects }, course, multisine(60, 2.0, rng), rng);
-    Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
+    let metadata = Metadata { response_kind: kind, ..Metadata::default() };
+    Measurement::new(metadata, vec![experiment], Vec::new(), String::new()).unwrap()
 }
 
 /// A record of the velocity under this multisine at two levels, and with the response of the second
@@ -75,7 +76,11 @@ fn recorded(
     let factor = |k: usize| course.map_or(1.0.into(), |course| course.factor(k, samples));
     let driven: Vec<_> = input.iter().enumerate().map(|(k, line)| factor(k) * line).collect();
     let response = respond(&machine, 0.0, omega_rad_s, &driven, 120, &Settings::default()).unwrap();
-    let motion = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
+    let velocity = PeriodicMotion { omega_rad_s, input, response, mean_velocity: 0.0 };
+    let motion = match kind {
+        ResponseKind::Position => velocity.converted_to_position(),
+        _ => velocity,
+    };
     let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms(), step: 0.0 };
     motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap()
 }

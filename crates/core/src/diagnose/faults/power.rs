@@ -43,8 +43,7 @@ mod tests {
 
     #[test]
     fn an_axis_takes_power_and_lags_and_with_the_wrong_sign_it_would_give_some_and_lead() {
-        let kinds = [ResponseKind::Velocity, ResponseKind::Position, ResponseKind::Acceleration];
-        for kind in kinds {
+        for kind in [ResponseKind::Velocity, ResponseKind::Position] {
             let measurement = multisine_record_of(kind, plant(), &[], None, 3);
             assert!(!is_reversed(&measurement), "{kind:?}");
             let reversed = |harmonic: &Harmonic| Harmonic { value: -harmonic.value, ..*harmonic };

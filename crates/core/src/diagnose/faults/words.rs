@@ -62,7 +62,8 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
         ),
         FaultKind::LevelGain | FaultKind::RunGain => {
             let is_either = fault.experiment.is_some() && measurement.experiments().len() == 2;
-            let doubt = if is_either { "; which of the two is wrong they do not show" } else { "" };
+            let doubt =
+                if is_either { "; the data do not show which of the two is wrong" } else { "" };
             (
                 format!(
                     "{place} the response is {} times as large as the rest of the measurement \

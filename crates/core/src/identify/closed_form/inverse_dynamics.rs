@@ -33,7 +33,7 @@ struct Line {
 /// these actuators. The best is that of which the velocities err least.
 pub(super) fn inverse_dynamics(problem: &Problem, actuators: &[Actuator]) -> Option<Plant> {
     let lines: Vec<Line> = problem.experiments.iter().flat_map(lines).collect();
-    let part = |value: Complex, row: usize| if row % 2 == 0 { value.re } else { value.im };
+    let part = |value: Complex, row: usize| [value.re, value.im][row % 2];
     let height = 2 * lines.len();
     let rows = DMatrix::from_fn(height, 4, |r, c| part(lines[r / 2].columns[c], r));
     let decomposed = Decomposed::of(rows.clone())?;

@@ -83,21 +83,32 @@ fn causes(answer: &Diagnosis, units: Units<'_>) -> Markup {
 fn cause(cause: &Cause, answer: &Diagnosis, units: Units<'_>) -> Markup {
     let Cause { effect: id, confidence: sure, .. } = cause;
     let model = answer.extended.as_ref().unwrap_or(&answer.base);
-    let rows = size::values(cause);
     html! {
         div.one {
             p.name {
                 strong { (sentence(&effect(id)).trim_end_matches('.')) }
                 span.sure { (probability(*sure).replace(" %", "\u{a0}%")) ", " (confidence(*sure)) }
             }
-            dl.values {
-                @for (name, value) in rows {
-                    div { dt { (sentence(&fit_words(&name, units.input, units.response)).trim_end_matches('.')) } dd { (value) } }
-                }
-            }
+            @if !is_aside(cause, answer) { (values(cause, units)) }
             @if let Some(said) = size::in_the_machine(cause, model) { p { (sentence(&said)) } }
             @if answer.causes.len() == 1 { p.small { (brief::meaning(cause, units)) } }
             @if let Some(said) = brief::equivalents(cause) { p.small { (said) } }
+        }
+    }
+}
+
+/// Whether a cause is but possible beside one that is likely. Its numbers are folded then: what to do
+/// next stays on the first screen.
+fn is_aside(cause: &Cause, answer: &Diagnosis) -> bool {
+    brief::is_candidate(cause) && !answer.causes.iter().all(brief::is_candidate)
+}
+
+fn values(cause: &Cause, units: Units<'_>) -> Markup {
+    html! {
+        dl.values {
+            @for (name, value) in size::values(cause) {
+                div { dt { (sentence(&fit_words(&name, units.input, units.response)).trim_end_matches('.')) } dd { (value) } }
+            }
         }
     }
 }
@@ -110,6 +121,7 @@ pub(super) fn closer(answer: &Diagnosis, units: Units<'_>) -> Markup {
             @if answer.causes.len() > 1 {
                 p { strong { (sentence(&effect(&cause.effect))) } " " (brief::meaning(cause, units)) }
             }
+            @if is_aside(cause, answer) { (values(cause, units)) }
             @if let Some(signature) = brief::signature(cause, units) {
                 p { "How " (effect(&cause.effect)) " shows: " (signature) }
             }

@@ -42,6 +42,22 @@ fn a_cause_has_its_physics_its_confidence_and_its_intervals() {
     }
 }
 
+// What to do next stays on the first screen.
+#[test]
+fn the_numbers_of_a_cause_that_is_but_possible_beside_a_likely_one_are_folded() {
+    let mut answer = sample::explained();
+    answer.causes.push(answer.causes[0].clone());
+    let before_next = |answer: &Diagnosis| {
+        let text = read(&of(answer));
+        let (before, _) = text.split_once("What to do next").unwrap();
+        before.matches("0.8014 ± 0.0065").count()
+    };
+    assert_eq!(before_next(&answer), 2);
+    answer.causes[1].confidence = 0.2;
+    assert_eq!(before_next(&answer), 1);
+    assert_eq!(read(&of(&answer)).matches("0.8014 ± 0.0065").count(), 2);
+}
+
 #[test]
 fn the_gain_is_said_and_where_it_is_not_measured_that_is_said() {
     let text = read(&of(&gained()));

@@ -132,6 +132,8 @@ fn rows(fault: &Mismeasurement, found: &[MeasurementFault]) -> RowCounts {
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{left_out, mistake};
+    use servoscope_core::measurement::{Experiment, Measurement};
+
     use super::*;
     use crate::naming::mismeasurement::BadRow;
 
@@ -197,9 +199,7 @@ mod tests {
         let mut only = alone.sound.experiments()[0].clone();
         only.response.retain(|row| row.order == 1);
         let metadata = alone.sound.metadata().clone();
-        alone.sound =
-            servoscope_core::measurement::Measurement::new(metadata, vec![only], vec![], "".into())
-                .unwrap();
+        alone.sound = Measurement::new(metadata, vec![only], vec![], "".into()).unwrap();
         assert!(Mismeasured::of(&alone, std::slice::from_ref(&run)).named);
         let elsewhere = MeasurementFault { experiment: Some(1), ..run };
         assert!(!Mismeasured::of(&alone, &[elsewhere]).named);
@@ -214,6 +214,12 @@ mod tests {
         assert_eq!(Mismeasured::of(&run_gain(), &[at(0)]).in_place, Some(true));
         assert_eq!(Mismeasured::of(&run_gain(), &[at(1)]).in_place, Some(false));
         assert_eq!(Mismeasured::of(&run_gain(), &[at(1), at(0)]).in_place, Some(true));
+        let mut of_two = run_gain();
+        let one = of_two.sound.experiments()[0].clone();
+        let other = Experiment { omega_rad_s: 2.0 * one.omega_rad_s, ..one.clone() };
+        let metadata = of_two.sound.metadata().clone();
+        of_two.sound = Measurement::new(metadata, vec![one, other], vec![], "".into()).unwrap();
+        assert_eq!(Mismeasured::of(&of_two, &[at(1)]).in_place, Some(true));
         let phase = Mismeasurement::LevelPhase { magnitude: 3.0, degrees: 4.0 };
         let level = mistake(Sort::LevelPhase, phase);
         for (magnitude, right) in [(Some(3.0 + 1e-9), true), (Some(6.0), false), (None, false)] {

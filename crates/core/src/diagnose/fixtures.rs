@@ -3,9 +3,12 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use crate::machines::closed_loop::PositionLoop;
 use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
 use crate::machines::simulator::{Effect, Machine, Settings, respond};
-use crate::measurement::{Complex, Experiment, Intersample, Measurement, Metadata, ResponseKind};
+use crate::measurement::{
+    Complex, Experiment, Harmonic, Intersample, Loop, Measurement, Metadata, ResponseKind,
+};
 use crate::plant::{Actuator, Friction, Plant};
 
 const SAMPLING: Sampling = Sampling { samples: 512, periods: 4 };
@@ -47,9 +50,8 @@ pub(super) fn multisine_record_of(
     Measurement::new(metadata, vec![experiment], Vec::new(), String::new()).unwrap()
 }
 
-/// A record of the velocity under this multisine at two levels, and with the response of the second
-/// multiplied by a gain.
-pub(super) fn two_levels(effects: &[Effect], gain: f64, seed: u64) -> Measurement {
+/// A record of the velocity under this multisine at two levels.
+pub(super) fn two_levels(effects: &[Effect], seed: u64) -> Measurement {
     let rng = &mut ChaCha8Rng::seed_from_u64(seed);
     let input = multisine(60, 2.0, rng);
     let machine = Machine { plant: plant(), effects };
@@ -57,12 +59,56 @@ pub(super) fn two_levels(effects: &[Effect], gain: f64, seed: u64) -> Measuremen
         let input = input.iter().map(|line| level * line).collect();
         recorded(ResponseKind::Velocity, machine, None, input, rng)
     };
-    let mut experiments = vec![at(1.0), at(0.5)];
-    let second = &mut experiments[1];
-    second.response.iter_mut().for_each(|harmonic| harmonic.value *= gain);
-    let repeats = second.repeats.iter_mut().flat_map(|repeat| &mut repeat.response);
-    repeats.for_each(|value| *value *= gain);
+    let experiments = vec![at(1.0), at(0.5)];
     Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+}
+
+/// A record of the position along a trajectory in a position loop, with noise of 1 % of the input's and
+/// 0.01 % of the position's root mean square.
+pub(super) fn in_a_position_loop(seed: u64) -> Measurement {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+    let position_loop = PositionLoop {
+        omega_rad_s: 0.8,
+        velocity: 2.0,
+        bandwidth_rad_s: 16.0,
+        lines: 60,
+        harmonics: 120,
+    };
+    let machine = Machine { plant: plant(), effects: &[] };
+    let velocity = position_loop.motion(&machine, 0.0, &Settings::default()).unwrap().unwrap();
+    let motion = velocity.converted_to_position();
+    let noise = RecordNoise {
+        input: 1e-2 * motion.input_rms(),
+        response: 1e-4 * motion.response_rms(),
+        step: 0.0,
+    };
+    let kind = ResponseKind::Position;
+    let experiment = motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap();
+    let feedback = Some(Loop::Closed);
+    let metadata = Metadata { response_kind: kind, feedback, ..Metadata::default() };
+    Measurement::new(metadata, vec![experiment], Vec::new(), String::new()).unwrap()
+}
+
+/// A measurement whose responses are multiplied by a factor, given the experiment's index and the
+/// angular frequency of the line (rad/s).
+pub(super) fn multiplied(
+    sound: &Measurement,
+    factor: impl Fn(usize, f64) -> Complex,
+) -> Measurement {
+    let mut experiments = sound.experiments().to_vec();
+    for (index, experiment) in experiments.iter_mut().enumerate() {
+        let of =
+            |harmonic: &Harmonic| factor(index, harmonic.order as f64 * experiment.omega_rad_s);
+        let factors: Vec<Complex> = experiment.response.iter().map(of).collect();
+        let means = experiment.response.iter_mut().zip(&factors);
+        means.for_each(|(harmonic, factor)| harmonic.value *= factor);
+        for repeat in &mut experiment.repeats {
+            let values = repeat.response.iter_mut().zip(&factors);
+            values.for_each(|(value, factor)| *value *= factor);
+        }
+    }
+    let (metadata, hash) = (sound.metadata().clone(), sound.sha256().to_owned());
+    Measurement::new(metadata, experiments, Vec::new(), hash).unwrap()
 }
 
 fn recorded(

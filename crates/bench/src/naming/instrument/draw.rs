@@ -104,6 +104,16 @@ mod tests {
     }
 
     #[test]
+    fn a_record_with_another_gain_of_one_experiment_has_two() {
+        for index in 0..100 {
+            let case: Case = format!("mismeasured-record-60-o0-{index}").parse().unwrap();
+            let recording = Instrument::of(&case, &mut case.rng(1)).recording.unwrap();
+            let is_of_two = recording == Recording::Multisine { levels: 2 };
+            assert!(Sort::of(&case) != Some(Sort::RunGain) || is_of_two, "{recording}");
+        }
+    }
+
+    #[test]
     fn analysers_differ_in_all_that_can_be_drawn_of_them() {
         let all = analysers();
         let share = |what: fn(&Instrument) -> bool| {

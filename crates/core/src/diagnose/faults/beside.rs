@@ -24,7 +24,7 @@ pub(super) trait OneNumber {
 
 /// A model beside a fault.
 pub(super) struct Beside<'a> {
-    /// The data with the fault mended, to a standard deviation of its number.
+    /// The data with the fault mended, by the number of the last fit.
     pub session: FitSession<'a>,
     /// The model, fitted to that.
     pub model: Model,
@@ -35,48 +35,49 @@ pub(super) struct Beside<'a> {
 }
 
 /// The one of these faults that explains most beside a model, its number fitted together with the model
-/// by Gauss–Newton steps, each halved until the fit is better; the last is shorter than a standard
-/// deviation. `None` if the first step promises less than half of what is needed for −2 ln likelihood to
-/// fall below `least`: far from the best number it promises less than it brings.
+/// by Gauss–Newton steps, each halved until the fit is better, until one is shorter than a standard
+/// deviation or [`MOST_ROUNDS`] fits are made. `None` if the first step promises less than half of what is
+/// needed for −2 ln likelihood to fall below `least`: far from the best number it promises less than it
+/// brings.
 pub(super) fn best<'a>(
     suspects: &Suspects<'a>,
     start: &Model,
     least: f64,
-    faults: &[&dyn OneNumber],
+    faults: &[impl OneNumber],
 ) -> Option<Beside<'a>> {
     let experiments = suspects.session.measurement().experiments();
-    let at = |number: f64, of: &dyn OneNumber| {
+    let whole = Linearised::of(suspects.session, start, suspects)?;
+    let steps = faults.iter().filter_map(|fault| Some((fault, whole.step(fault)?)));
+    let (of, mut step) = steps.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
+    let mended = |number: f64| {
         let faults = [of.fault(number, 0.0)];
         let session = suspects.session;
         session.changed(|experiment, k| mending::change(&faults, experiments, experiment, k))
     };
-    let whole = Linearised::of(suspects.session, start, suspects)?;
-    let steps = faults.iter().filter_map(|fault| Some((*fault, whole.step(*fault)?)));
-    let (of, mut step) = steps.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))?;
-    let (mut session, mut model) = (at(0.0, of), start.clone());
+    let (mut session, mut model) = (None, start.clone());
     let (mut number, mut moved) = (0.0, step.number);
     for _ in 0..MOST_ROUNDS {
         let is_possible = !step.positive || number + moved > 0.0;
         let is_enough = step.misfit + step.price - least <= 2.0 * step.gain;
-        let is_last = number != 0.0 && moved.abs() < step.deviation;
+        let is_last = session.is_some() && moved.abs() < step.deviation;
         if is_last || !(is_possible && is_enough) {
             break;
         }
-        let trial = at(number + moved, of);
+        let trial = mended(number + moved);
         let fitted = trial.refine(&model, FitAccuracy::Settle);
         let next = Linearised::of(&trial, &fitted, suspects).and_then(|here| here.step(of));
         match next {
             Some(next) if next.misfit < step.misfit => {
                 number += moved;
                 moved = next.number;
-                (session, model, step) = (trial, fitted, next);
+                (session, model, step) = (Some(trial), fitted, next);
             }
             _ => moved *= 0.5,
         }
     }
     let last = if moved.abs() < step.deviation { moved } else { 0.0 };
     let fault = of.fault(number + last, step.deviation);
-    (number != 0.0).then_some(Beside { session, model, fault, price: step.price })
+    Some(Beside { session: session?, model, fault, price: step.price })
 }
 
 /// A model linearised in its parameters.
@@ -111,7 +112,7 @@ impl<'s> Linearised<'s> {
         Some(Self { suspects, residuals, misfit: suspects.misfit_of_noise(cost), cost })
     }
 
-    fn step(&self, of: &dyn OneNumber) -> Option<Step> {
+    fn step(&self, of: &impl OneNumber) -> Option<Step> {
         let Self { suspects, residuals, misfit, cost } = self;
         let cells: Vec<&Cell> = residuals.layout.cells.iter().collect();
         let candidate = of.candidate(&cells);
@@ -128,5 +129,41 @@ impl<'s> Linearised<'s> {
             gain: misfit - suspects.misfit_of_noise(cost * (1.0 - decrease / all)),
             price: candidate.price + outside.volume(decrease / scale),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::PlantRequest;
+    use crate::diagnose::faults::skew::Skew;
+    use crate::diagnose::fixtures::{multiplied, multisine_record, plant};
+    use crate::diagnose::selection::evidence::NoiseScale;
+    use crate::diagnose::selection::models::Models;
+    use crate::identify::IdentifyRequest;
+    use crate::measurement::Complex;
+    use crate::observer::Silent;
+
+    /// The lead that is found beside the base model of a healthy axis whose response is ahead by a
+    /// time, s.
+    fn lead(seconds: f64) -> Option<f64> {
+        let sound = multisine_record(plant(), &[], None, 5);
+        let turn = |_, omega_rad_s| Complex::from_polar(1.0, omega_rad_s * seconds);
+        let measurement = multiplied(&sound, turn);
+        let plant = Some(PlantRequest { actuator_order: 1 });
+        let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let base = &session.judge(session.base(), Intervals::Curvature).unwrap();
+        let models = &Models::new(session.base().clone(), NoiseScale::of(session));
+        let suspects = Suspects { session, base, models, combined: false, seed: 1 };
+        let found = best(&suspects, session.base(), suspects.best_without(), &[Skew])?;
+        found.fault.value
+    }
+
+    // A single search need not come to the end: the mended measurement is diagnosed again.
+    #[test]
+    fn a_response_that_is_ahead_has_a_lead_and_one_that_is_late_none() {
+        assert!(lead(1e-2).is_some_and(|seconds| seconds > 0.0));
+        assert_eq!(lead(-1e-2), None);
     }
 }

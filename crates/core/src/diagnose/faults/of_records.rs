@@ -48,11 +48,9 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     }
     let experiments = suspects.session.measurement().experiments();
     let gains = RunGain::each(experiments);
-    let gains: Vec<&dyn OneNumber> = gains.iter().map(|gain| gain as &dyn OneNumber).collect();
-    for faults in [&[&Skew as &dyn OneNumber], gains.as_slice()] {
-        for start in search.starts.clone() {
-            search.fit_beside(&start, faults);
-        }
+    for start in search.starts.clone() {
+        search.fit_beside(&start, &[Skew]);
+        search.fit_beside(&start, &gains);
     }
     if search.more_is_left {
         search.fit_beside(suspects.session.base(), &gains);
@@ -76,7 +74,6 @@ pub(super) fn gain_beside_the_base_model(suspects: &Suspects<'_>) -> Option<Susp
     }
     let mut search = Search::of(suspects, |_| true)?;
     let gains = RunGain::each(suspects.session.measurement().experiments());
-    let gains: Vec<&dyn OneNumber> = gains.iter().map(|gain| gain as &dyn OneNumber).collect();
     search.fit_beside(suspects.session.base(), &gains);
     search.best
 }
@@ -155,7 +152,7 @@ impl<'a> Search<'a> {
     }
 
     /// Fits a model beside that of these faults which explains most.
-    fn fit_beside(&mut self, start: &Model, faults: &[&dyn OneNumber]) {
+    fn fit_beside(&mut self, start: &Model, faults: &[impl OneNumber]) {
         let suspects = self.suspects;
         let complexity =
             evidence::complexity(suspects.session, start, &suspects.models.noise_scale);

@@ -37,8 +37,7 @@ fn power(experiment: &Experiment, kind: ResponseKind) -> Complex {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::fixtures::{multisine_record_of, plant};
-    use crate::measurement::Harmonic;
+    use crate::diagnose::fixtures::{multiplied, multisine_record_of, plant};
     use crate::plant::{Actuator, Friction, Plant};
 
     #[test]
@@ -46,13 +45,7 @@ mod tests {
         for kind in [ResponseKind::Velocity, ResponseKind::Position] {
             let measurement = multisine_record_of(kind, plant(), &[], None, 3);
             assert!(!is_reversed(&measurement), "{kind:?}");
-            let reversed = |harmonic: &Harmonic| Harmonic { value: -harmonic.value, ..*harmonic };
-            let mut experiments = measurement.experiments().to_vec();
-            let response = &mut experiments[0].response;
-            *response = response.iter().map(reversed).collect();
-            let metadata = measurement.metadata().clone();
-            let reversed =
-                Measurement::new(metadata, experiments, Vec::new(), String::new()).unwrap();
+            let reversed = multiplied(&measurement, |_, _| -Complex::ONE);
             assert!(is_reversed(&reversed), "{kind:?}");
         }
     }

@@ -173,29 +173,26 @@ pub(in crate::diagnose) fn misread(
 #[cfg(test)]
 mod tests {
     use crate::answers::{FaultKind, Verdict};
-    use crate::diagnose::fixtures::{multisine_record_of, plant};
+    use crate::diagnose::fixtures::{in_a_position_loop, multiplied, multisine_record_of, plant};
     use crate::identify::IdentifyRequest;
-    use crate::measurement::{Measurement, ResponseKind};
+    use crate::measurement::{Complex, Measurement, ResponseKind};
     use crate::observer::Silent;
 
-    // The base model leaves less of a position than of a velocity: large lines are few.
+    /// The faults of a measurement whose response has the wrong sign, and the verdict once it is right.
+    fn found(sound: &Measurement) -> (Vec<FaultKind>, Verdict) {
+        let wrong = multiplied(sound, |_, _| -Complex::ONE);
+        let request = IdentifyRequest::default();
+        let answer = crate::diagnose::diagnose(&wrong, &request, &Silent).unwrap();
+        (answer.measurement.iter().map(|fault| fault.fault).collect(), answer.verdict)
+    }
+
     #[test]
     fn a_record_of_the_wrong_sign_is_told_by_what_it_is() {
+        let reversed = (vec![FaultKind::ReversedSign], Verdict::Adequate);
         for kind in [ResponseKind::Velocity, ResponseKind::Position] {
-            let sound = multisine_record_of(kind, plant(), &[], None, 5);
-            let mut experiments = sound.experiments().to_vec();
-            for experiment in &mut experiments {
-                experiment.response.iter_mut().for_each(|line| line.value = -line.value);
-                let repeats = experiment.repeats.iter_mut();
-                repeats.flat_map(|one| &mut one.response).for_each(|value| *value = -*value);
-            }
-            let (metadata, hash) = (sound.metadata().clone(), sound.sha256().to_owned());
-            let wrong = Measurement::new(metadata, experiments, Vec::new(), hash).unwrap();
-            let request = IdentifyRequest::default();
-            let answer = crate::diagnose::diagnose(&wrong, &request, &Silent).unwrap();
-            let faults: Vec<FaultKind> = answer.measurement.iter().map(|f| f.fault).collect();
-            assert_eq!(faults, [FaultKind::ReversedSign], "{kind:?}");
-            assert_eq!(answer.verdict, Verdict::Adequate, "{kind:?}");
+            assert_eq!(found(&multisine_record_of(kind, plant(), &[], None, 5)), reversed);
         }
+        // A hardening spring follows all but a sixth of it.
+        assert_eq!(found(&in_a_position_loop(1)), reversed);
     }
 }

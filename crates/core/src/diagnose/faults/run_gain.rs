@@ -51,13 +51,14 @@ impl OneNumber for RunGain {
 #[cfg(test)]
 mod tests {
     use crate::answers::{Diagnosis, FaultKind, Verdict};
-    use crate::diagnose::fixtures::two_levels;
+    use crate::diagnose::fixtures::{multiplied, two_levels};
     use crate::identify::IdentifyRequest;
     use crate::machines::simulator::Effect;
     use crate::observer::Silent;
 
     fn answer(effects: &[Effect], gain: f64) -> Diagnosis {
-        let measurement = two_levels(effects, gain, 8);
+        let gains = [1.0, gain];
+        let measurement = multiplied(&two_levels(effects, 8), |level, _| gains[level].into());
         crate::diagnose::diagnose(&measurement, &IdentifyRequest::default(), &Silent).unwrap()
     }
 

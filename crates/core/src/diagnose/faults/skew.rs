@@ -42,29 +42,16 @@ impl OneNumber for Skew {
 mod tests {
     use super::*;
     use crate::answers::{Diagnosis, Verdict};
-    use crate::diagnose::fixtures::{multisine_record, plant};
+    use crate::diagnose::fixtures::{multiplied, multisine_record, plant};
     use crate::identify::IdentifyRequest;
     use crate::machines::simulator::Effect;
-    use crate::measurement::Measurement;
     use crate::observer::Silent;
 
     /// The answer to a record whose response is ahead of its input by a time (s).
     fn answer(effects: &[Effect], seconds: f64) -> Diagnosis {
         let sound = multisine_record(plant(), effects, None, 5);
-        let mut experiments = sound.experiments().to_vec();
-        for experiment in &mut experiments {
-            let turn = |order: usize| {
-                Complex::from_polar(1.0, order as f64 * experiment.omega_rad_s * seconds)
-            };
-            let orders: Vec<usize> = experiment.response.iter().map(|h| h.order).collect();
-            experiment.response.iter_mut().for_each(|h| h.value *= turn(h.order));
-            for repeat in &mut experiment.repeats {
-                let values = repeat.response.iter_mut().zip(&orders);
-                values.for_each(|(value, order)| *value *= turn(*order));
-            }
-        }
-        let (metadata, hash) = (sound.metadata().clone(), sound.sha256().to_owned());
-        let skewed = Measurement::new(metadata, experiments, Vec::new(), hash).unwrap();
+        let skewed =
+            multiplied(&sound, |_, omega_rad_s| Complex::from_polar(1.0, omega_rad_s * seconds));
         crate::diagnose::diagnose(&skewed, &IdentifyRequest::default(), &Silent).unwrap()
     }
 

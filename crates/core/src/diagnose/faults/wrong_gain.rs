@@ -1,6 +1,6 @@
 //! Another gain of one level or experiment, looked for before any effect is tried.
 
-use crate::answers::{FaultKind, MeasurementFault};
+use crate::answers::FaultKind;
 use crate::diagnose::doubt::{Halt, Suspicion};
 use crate::diagnose::selection::evidence::NoiseScale;
 use crate::diagnose::selection::models::Models;
@@ -24,7 +24,6 @@ pub(in crate::diagnose) fn alone(session: &FitSession<'_>, seed: u64) -> Option<
         false => (of_records::gain_beside_the_base_model(&suspects)?, FaultKind::RunGain),
     };
     let Suspected { faults, .. } = found;
-    let is_gain = |fault: &MeasurementFault| fault.fault == wanted;
-    (faults.len() == 1 && faults.iter().all(is_gain))
-        .then(|| Halt::Faults(Box::new(Suspicion { faults, as_measured })))
+    let is_gain = matches!(faults.as_slice(), [fault] if fault.fault == wanted);
+    is_gain.then(|| Halt::Faults(Box::new(Suspicion { faults, as_measured })))
 }

@@ -1,16 +1,18 @@
 //! A feed-forward neural network that maps measured features to parameters.
 //!
-//! One hidden layer of tanh neurons and a linear output, trained by back-propagation (D. Rumelhart,
+//! One hidden layer of sigmoid neurons and a linear output, trained by back-propagation (D. Rumelhart,
 //! G. Hinton, R. Williams, Nature 323 (1986) 533, doi:10.1038/323533a0) in mini-batches with Adam
 //! steps (D. Kingma and J. Ba, arXiv:1412.6980), decoupled weight decay (I. Loshchilov and F.
 //! Hutter, arXiv:1711.05101) and cosine decay of the learning rate. Initial weights: X. Glorot and
 //! Y. Bengio, AISTATS 2010.
 //!
-//! Features and targets are standardised internally. A sixth of the samples is held out: the
+//! Features and targets are standardised internally, and the features projected on their principal
+//! components. A sixth of the samples is held out: the
 //! weights that predict these best are kept, and the errors on them are the network's
 //! [spread](Network::spread).
 
 mod adam;
+mod components;
 mod perceptron;
 mod scaling;
 
@@ -21,6 +23,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::answers::NetworkOptions;
 use adam::Adam;
+use components::Components;
 use perceptron::{Perceptron, Workspace};
 use scaling::Scaling;
 
@@ -36,6 +39,7 @@ const FEATURE_RANGE: f64 = 4.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     features: Scaling,
+    components: Components,
     targets: Scaling,
     perceptron: Perceptron,
     spread: Vec<f64>,
@@ -72,15 +76,14 @@ impl Network {
         let feature_scaling = Scaling::of(trained.iter().map(|&i| features[i].as_slice()));
         let target_scaling = Scaling::of(trained.iter().map(|&i| targets[i].as_slice()));
         let inputs = scaled(&feature_scaling, features, FEATURE_RANGE);
+        let rows: Vec<&[f64]> = trained.iter().map(|&i| inputs[i].as_slice()).collect();
+        let components = Components::of(&rows);
+        let inputs: Vec<Vec<f64>> = inputs.iter().map(|row| components.project(row)).collect();
         let wanted = scaled(&target_scaling, targets, f64::INFINITY);
         let sample = |index: usize| (inputs[index].as_slice(), wanted[index].as_slice());
 
-        let mut perceptron = Perceptron::glorot(
-            feature_scaling.len(),
-            options.hidden_neurons,
-            target_scaling.len(),
-            rng,
-        );
+        let mut perceptron =
+            Perceptron::glorot(inputs[0].len(), options.hidden_neurons, target_scaling.len(), rng);
         let mut workspace = Workspace::for_perceptron(&perceptron);
         let mut adam = Adam::new(perceptron.weights().len());
         let mut best = (f64::INFINITY, perceptron.clone());
@@ -119,7 +122,13 @@ impl Network {
             .enumerate()
             .map(|(output, error)| error * target_scaling.deviation(output))
             .collect();
-        Network { features: feature_scaling, targets: target_scaling, perceptron, spread }
+        Network {
+            features: feature_scaling,
+            components,
+            targets: target_scaling,
+            perceptron,
+            spread,
+        }
     }
 
     /// Predicts the targets from measured features.
@@ -132,6 +141,7 @@ impl Network {
     pub fn predict(&self, features: &[f64]) -> Vec<f64> {
         let mut input = vec![0.0; self.features.len()];
         self.features.apply(features, FEATURE_RANGE, &mut input);
+        let input = self.components.project(&input);
         let mut workspace = Workspace::for_perceptron(&self.perceptron);
         self.targets.invert(self.perceptron.forward(&input, &mut workspace))
     }

@@ -45,8 +45,8 @@ pub use transient::{InitialState, Quantity, SampledInput, Trajectory, Unknown, f
 use crate::effects::{self, ActiveEffect, Axis, Wide};
 use crate::measurement::Complex;
 use crate::plant::{Plant, Scalar};
-use base::sensitivity::{self, Differentiable, Direction};
-use base::{settle, spectrum};
+use base::sensitivity::{Differentiable, Direction};
+use base::settle;
 use piecewise_linear::stick_slip_periodic;
 use response::check;
 
@@ -82,8 +82,7 @@ pub fn respond_if(
     let axis = effects::enter_values(*plant, effects, excitation.run_share());
     check(&axis)?;
     let mut velocity = if axis.is_base() {
-        let settled = settle(&axis, excitation)?;
-        spectrum::velocity(&settled, highest)
+        base::respond(&axis, excitation, highest)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::respond(&axis, excitation, highest)?
     } else {
@@ -109,17 +108,17 @@ pub fn respond_with_sensitivities(
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Response, NoResponse> {
+    if effects.is_empty() {
+        check(&Axis::base(plant.map(Scalar::value)))?;
+        let (velocity, sensitivities) = base::differentiate(plant, excitation, highest, variables)?;
+        return Ok(Response { velocity, sensitivities });
+    }
     let axis = effects::enter(*plant, effects, excitation.run_share(), variables);
     let values = axis.map(Scalar::value);
     check(&values)?;
     let rows = variables + effects.iter().map(|effect| effect.values().len()).sum::<usize>();
     let (mut velocity, mut sensitivities) = if axis.is_base() {
-        let settled = settle(&values, excitation)?;
-        let directions = sensitivity::parameter_directions(&settled.plant, excitation);
-        let settled = Differentiable::new(settled, highest);
-        let by_number = settled.along(&directions);
-        let rows = sensitivity::by_lane(&axis, &settled.velocity, &by_number, rows);
-        (settled.velocity, rows)
+        base::differentiate(&base::plant(&axis), excitation, highest, rows)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::differentiate(&axis, &values, excitation, highest, rows)?
     } else {

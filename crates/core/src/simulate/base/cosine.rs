@@ -2,11 +2,9 @@
 //!
 //! With the phase φ = ωt + arg T, torque and friction divided by |T|, and z = x·ω/|T|, the equation
 //! while sliding is z' = −α·z + cos φ − f, where α = a/ω. A period has at most one slide in each
-//! direction. With symmetric friction c and no rest, the forward slide starts where
-//! w(φ) = −(c/α)·tanh(απ/2), with w = sin(φ + atan α)/√(1 + α²). From this guess Newton's method
-//! finds the starts of both slides. If there is no such motion, the slides are followed one by one
-//! from rest. A slide that starts from rest does not depend on what came before, so that such a
-//! motion soon repeats.
+//! direction. Newton's method finds the starts of both slides (`two_slides`). If there is no motion
+//! without rest, the slides are followed one by one from rest. A slide that starts from rest does not
+//! depend on what came before, so that such a motion soon repeats.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,17 +12,9 @@ use crate::measurement::Complex;
 use crate::plant::Plant;
 
 use super::switching_times::{Motion, Phase, SwitchingTimes};
+use super::two_slides::{Normalised, TwoSlides, lost_in};
 use crate::simulate::response::NoResponse;
 use crate::simulate::signal::root_finding::newton;
-
-/// Dimensionless α = a/ω, and Coulomb (c) and static (s) levels divided by |T|.
-struct Normalised {
-    alpha: f64,
-    c_plus: f64,
-    c_minus: f64,
-    s_plus: f64,
-    s_minus: f64,
-}
 
 /// Most phases followed from rest; beyond that the motion counts as not periodic.
 const MOST_HALF_CYCLES: usize = 4000;
@@ -35,102 +25,82 @@ pub(crate) fn orbit(
     torque: Complex,
     omega: f64,
 ) -> Result<SwitchingTimes, NoResponse> {
-    let amplitude = torque.norm();
-    let period_s = TAU / omega;
-    let friction = plant.friction;
-    if amplitude <= friction.fs_plus.min(friction.fs_minus) {
-        return Ok(SwitchingTimes::constant(period_s, Motion::Stuck));
+    match two_slides(plant, torque.norm(), omega) {
+        Some((_, slides)) => Ok(from_phases(phases_of(&slides), torque, omega)),
+        None => orbit_with_rest(plant, torque, omega),
     }
-    let normalised = Normalised {
-        alpha: plant.viscous_rate_rad_s / omega,
-        c_plus: friction.fc_plus / amplitude,
-        c_minus: friction.fc_minus / amplitude,
-        s_plus: friction.fs_plus / amplitude,
-        s_minus: friction.fs_minus / amplitude,
-    };
-    // With Fs = Fc any two motions approach each other, so that there is only one periodic motion
-    // and any method may find it. Otherwise only the motion reached from rest counts.
+}
+
+/// The motion without rest under a torque of this amplitude, if it is the one reached from rest.
+///
+/// With Fs = Fc any two motions approach each other, so that there is only one periodic motion and
+/// any method may find it. Otherwise only the motion reached from rest counts.
+pub(super) fn two_slides(
+    plant: &Plant,
+    amplitude: f64,
+    omega: f64,
+) -> Option<(Normalised, TwoSlides)> {
+    let friction = &plant.friction;
     let unique = friction.fs_plus == friction.fc_plus && friction.fs_minus == friction.fc_minus;
-    let phases = match normalised.first_guess().filter(|_| unique) {
-        Some(guess) => normalised.slide_through(guess),
-        None => None,
-    };
-    let mut phases = match phases {
-        Some(phases) => phases,
-        None => normalised.reached_from_rest()?,
-    };
+    if !unique || amplitude <= friction.fs_plus.min(friction.fs_minus) {
+        return None;
+    }
+    let axis = Normalised::new(plant.viscous_rate_rad_s, friction, amplitude, omega);
+    axis.two_slides().map(|slides| (axis, slides))
+}
+
+/// The motion reached from rest where [`two_slides`] finds none.
+pub(super) fn orbit_with_rest(
+    plant: &Plant,
+    torque: Complex,
+    omega: f64,
+) -> Result<SwitchingTimes, NoResponse> {
+    let (amplitude, friction) = (torque.norm(), &plant.friction);
+    if amplitude <= friction.fs_plus.min(friction.fs_minus) {
+        return Ok(SwitchingTimes::constant(TAU / omega, Motion::Stuck));
+    }
+    let axis = Normalised::new(plant.viscous_rate_rad_s, friction, amplitude, omega);
+    Ok(from_phases(FromRest::new(&axis).motion()?, torque, omega))
+}
+
+/// Phases of ωt + arg T become times.
+fn from_phases(mut phases: Vec<Phase>, torque: Complex, omega: f64) -> SwitchingTimes {
     let lead = torque.arg();
     for phase in &mut phases {
         phase.start_s = (phase.start_s - lead) / omega;
     }
-    Ok(SwitchingTimes { period_s, phases })
+    SwitchingTimes { period_s: TAU / omega, phases }
 }
 
-impl Normalised {
-    /// w(φ): steady response of the linear lag 1/(d/dφ + α) to cos φ.
-    fn steady(&self, sin: f64, cos: f64) -> f64 {
-        (self.alpha * cos + sin) / (self.alpha * self.alpha + 1.0)
-    }
+fn phases_of(slides: &TwoSlides) -> Vec<Phase> {
+    let forward = slides.forward.sin.atan2(slides.forward.cos);
+    vec![
+        Phase { start_s: forward, motion: Motion::Forward },
+        Phase { start_s: forward + slides.forward.length, motion: Motion::Backward },
+    ]
+}
 
-    /// Start of the forward slide if friction were symmetric at its mean level.
-    fn first_guess(&self) -> Option<f64> {
-        let level = 0.5 * (self.c_plus + self.c_minus);
-        let sine = -level / self.alpha
-            * (0.5 * self.alpha * PI).tanh()
-            * (1.0 + self.alpha * self.alpha).sqrt();
-        (sine > -1.0).then(|| sine.asin() - self.alpha.atan())
-    }
+/// The motion from rest, followed slide by slide.
+struct FromRest<'a> {
+    axis: &'a Normalised,
+    /// Phases from which on the torque exceeds a static level, forward and backward, in the first
+    /// turn; `None` where it never does.
+    breakaways: [Option<f64>; 2],
+    /// acos of the Coulomb levels: where the torque falls below them.
+    turns: [f64; 2],
+}
 
-    /// Newton's method for the starts of both slides; `None` where there is no motion without rest.
-    fn slide_through(&self, forward_guess: f64) -> Option<Vec<Phase>> {
-        let (mut forward, mut backward) = (forward_guess, forward_guess + PI);
-        for _ in 0..12 {
-            let (sin_f, cos_f) = forward.sin_cos();
-            let (sin_b, cos_b) = backward.sin_cos();
-            let (w_f, w_b) = (self.steady(sin_f, cos_f), self.steady(sin_b, cos_b));
-            // `lost` is 1 − exp(−α·duration); `end` is z at the end of a slide, which must be 0.
-            let lost_f = -(-self.alpha * (backward - forward)).exp_m1();
-            let lost_b = -(-self.alpha * (forward + TAU - backward)).exp_m1();
-            let end_f = w_b - w_f * (1.0 - lost_f) - self.c_plus * lost_f / self.alpha;
-            let end_b = w_f - w_b * (1.0 - lost_b) + self.c_minus * lost_b / self.alpha;
-            // Jacobian of (end_f, end_b) with respect to (forward, backward).
-            let j11 = -(1.0 - lost_f) * (cos_f - self.c_plus);
-            let j12 = cos_b - self.c_plus;
-            let j21 = cos_f + self.c_minus;
-            let j22 = -(1.0 - lost_b) * (cos_b + self.c_minus);
-            let determinant = j11 * j22 - j12 * j21;
-            let step_f = (end_f * j22 - end_b * j12) / determinant;
-            let step_b = (end_b * j11 - end_f * j21) / determinant;
-            let longest = step_f.abs().max(step_b.abs());
-            if longest.is_nan() {
-                return None;
-            }
-            let damping = if longest > 0.5 { 0.5 / longest } else { 1.0 };
-            forward -= damping * step_f;
-            backward -= damping * step_b;
-            // After a Newton step the error is of the order of the step squared.
-            if longest < 1e-8 {
-                return self.possible(forward, backward).then(|| {
-                    vec![
-                        Phase { start_s: forward, motion: Motion::Forward },
-                        Phase { start_s: backward, motion: Motion::Backward },
-                    ]
-                });
-            }
-        }
-        None
-    }
-
-    /// Whether the torque exceeds the static level at both reversals, which are in the right order.
-    fn possible(&self, forward: f64, backward: f64) -> bool {
-        forward.cos() > self.s_plus
-            && backward.cos() < -self.s_minus
-            && backward > forward
-            && backward < forward + TAU
+impl<'a> FromRest<'a> {
+    fn new(axis: &'a Normalised) -> Self {
+        let Normalised { c_plus, c_minus, s_plus, s_minus, .. } = *axis;
+        let breakaways =
+            [(s_plus < 1.0).then(|| -s_plus.acos()), (s_minus < 1.0).then(|| PI - s_minus.acos())];
+        Self { axis, breakaways, turns: [c_plus, c_minus].map(|level| level.min(1.0).acos()) }
     }
 
     /// Follows the motion from rest until it repeats; returns one period of it.
-    fn reached_from_rest(&self) -> Result<Vec<Phase>, NoResponse> {
+    fn motion(&self) -> Result<Vec<Phase>, NoResponse> {
+        let Normalised { s_plus, s_minus, .. } = *self.axis;
         let (start, motion) = self.breakaway(-PI);
         let mut phases = vec![Phase { start_s: start, motion }];
         while phases.len() < MOST_HALF_CYCLES {
@@ -138,46 +108,41 @@ impl Normalised {
             let end = self.end_of_slide(start_s, motion);
             let cos = end.cos();
             let (next_start, next_motion) = match motion {
-                Motion::Forward if cos < -self.s_minus => (end, Motion::Backward),
-                Motion::Backward if cos > self.s_plus => (end, Motion::Forward),
+                Motion::Forward if cos < -s_minus => (end, Motion::Backward),
+                Motion::Backward if cos > s_plus => (end, Motion::Forward),
                 _ => {
                     phases.push(Phase { start_s: end, motion: Motion::Stuck });
                     self.breakaway(end)
                 }
             };
-            let rested = phases[phases.len() - 1].motion == Motion::Stuck;
-            if let Some(period) = self.repeats(&phases, next_start, next_motion, rested) {
-                return Ok(period);
+            if let Some(first) = self.repeats(&mut phases, next_start, next_motion) {
+                phases.drain(..first);
+                return Ok(phases);
             }
             phases.push(Phase { start_s: next_start, motion: next_motion });
         }
         Err(NoResponse::NotPeriodic { periods: MOST_HALF_CYCLES / 2 })
     }
 
-    /// The last period of `phases`, if the slide that starts at `start` repeats the slide of a
-    /// period ago. `rested`: whether the axis rests just before `start`.
-    fn repeats(
-        &self,
-        phases: &[Phase],
-        start: f64,
-        motion: Motion,
-        rested: bool,
-    ) -> Option<Vec<Phase>> {
+    /// Where the last period of `phases` begins, if the slide that starts at `start` repeats the
+    /// slide of a period ago. Two slides that are nearly repeated are replaced by those that are.
+    fn repeats(&self, phases: &mut Vec<Phase>, start: f64, motion: Motion) -> Option<usize> {
+        let rested = phases[phases.len() - 1].motion == Motion::Stuck;
         let earlier = phases.iter().rposition(|phase| phase.motion == motion)?;
         let change = start - phases[earlier].start_s - TAU;
-        let last_period = &phases[earlier..];
-        if rested || last_period.iter().any(|phase| phase.motion == Motion::Stuck) {
+        if rested || phases[earlier..].iter().any(|phase| phase.motion == Motion::Stuck) {
             // Both slides start from rest at the same torque level: their phases are equal to
             // rounding.
-            return (change.abs() < 1e-9 && rested).then(|| last_period.to_vec());
+            return (change.abs() < 1e-9 && rested).then_some(earlier);
         }
         if change.abs() < 1e-4
-            && let Some(polished) = self.slide_through(start)
-            && (polished[0].start_s - start).rem_euclid(TAU) < 1e-2
+            && let Some(polished) = self.axis.two_slides_near(start.sin(), start.cos())
+            && (phases_of(&polished)[0].start_s - start).rem_euclid(TAU) < 1e-2
         {
-            return Some(polished);
+            *phases = phases_of(&polished);
+            return Some(0);
         }
-        (change.abs() < 1e-12).then(|| last_period.to_vec())
+        (change.abs() < 1e-12).then_some(earlier)
     }
 
     /// The first phase from `from` on at which the torque exceeds a static level, and the direction
@@ -188,13 +153,11 @@ impl Normalised {
             // If rounding puts it just before `from`, it is at `from`, not a period later.
             from + if after > TAU - 1e-9 { after - TAU } else { after }
         };
-        let forward = (self.s_plus < 1.0).then(|| next(-self.s_plus.acos()));
-        let backward = (self.s_minus < 1.0).then(|| next(PI - self.s_minus.acos()));
-        match (forward, backward) {
-            (Some(f), Some(b)) if f <= b => (f, Motion::Forward),
-            (Some(f), None) => (f, Motion::Forward),
-            (_, Some(b)) => (b, Motion::Backward),
-            (None, None) => unreachable!("the amplitude exceeds one of the static levels"),
+        match self.breakaways.map(|phase| phase.map(next)) {
+            [Some(f), Some(b)] if f <= b => (f, Motion::Forward),
+            [Some(f), None] => (f, Motion::Forward),
+            [_, Some(b)] => (b, Motion::Backward),
+            [None, None] => unreachable!("the amplitude exceeds one of the static levels"),
         }
     }
 
@@ -204,25 +167,30 @@ impl Normalised {
     /// it again, z falls as long as it is positive, so that the end is its only zero there.
     fn end_of_slide(&self, start: f64, motion: Motion) -> f64 {
         // By symmetry, a backward slide is a forward slide shifted by half a period.
-        let (shift, level) = match motion {
-            Motion::Backward => (PI, self.c_minus),
-            _ => (0.0, self.c_plus),
+        let (shift, level, turn) = match motion {
+            Motion::Backward => (PI, self.axis.c_minus, self.turns[1]),
+            _ => (0.0, self.axis.c_plus, self.turns[0]),
         };
+        let alpha = self.axis.alpha;
         let start = start - shift;
-        let turn = level.min(1.0).acos();
         let low = start + (turn - start).rem_euclid(TAU);
         let high = low + TAU - 2.0 * turn;
         let (sin, cos) = start.sin_cos();
-        let at_start = self.steady(sin, cos);
+        let at_start = self.axis.steady(sin, cos);
         let first = (start + PI).clamp(low + 0.1 * (high - low), high - 0.1 * (high - low));
         let falling = |end: f64| {
             let (sin, cos) = end.sin_cos();
-            let lost = -(-self.alpha * (end - start)).exp_m1();
-            let z = self.steady(sin, cos) - at_start * (1.0 - lost) - level * lost / self.alpha;
-            (-z, -(cos - level - self.alpha * z))
+            let lost = lost_in(alpha * (end - start));
+            let z = self.axis.steady(sin, cos) - at_start * (1.0 - lost) - level * lost / alpha;
+            let slope = cos - level - alpha * z;
+            // Near the end, by the curvature too (Halley's method): a step cubes the error.
+            let bend = z * (-sin - alpha * slope) / slope;
+            let slope = if bend.abs() < slope.abs() { slope - 0.5 * bend } else { slope };
+            (-z, -slope)
         };
         let end = newton([low, high], first, 80, falling, |step| {
-            step.length.min(step.bracket) < 1e-15 * step.to.abs().max(1.0)
+            let settled = step.length < 1e-6 * (step.to - low);
+            settled || step.length.min(step.bracket) < 1e-15 * step.to.abs().max(1.0)
         });
         end + shift
     }

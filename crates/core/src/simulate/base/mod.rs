@@ -4,22 +4,28 @@
 //! determine a periodic motion completely. `cosine` finds them for a pure cosine, by Newton's
 //! method from a closed form; `periodic` for any periodic input, by integrating the motion until it
 //! repeats. Harmonics (`spectrum`) and derivatives (`sensitivity`) follow from the times alone.
+//! Without rest under a cosine, all of these have a closed form (`sliding_cosine`).
 
 pub(super) mod cosine;
 pub(super) mod periodic;
 pub(super) mod sensitivity;
+mod sliding_cosine;
 pub(super) mod spectrum;
 pub(super) mod switching_times;
 pub(super) mod torque_sensitivity;
 mod turns;
+mod two_slides;
 
-use crate::effects::Axis;
+use crate::effects::{Axis, Wide};
 use crate::measurement::Complex;
-use crate::plant::Plant;
+use crate::plant::{Plant, Scalar};
 
 use super::response::NoResponse;
 use super::signal::excitation::Excitation;
 use super::signal::samples::Samples;
+use sensitivity::Differentiable;
+use sliding_cosine::SlidingCosine;
+use spectrum::PhaseIntegrals;
 use switching_times::{Motion, SwitchingTimes};
 
 /// A plant, the torque on its mechanics, and the periodic motion under that torque.
@@ -39,17 +45,29 @@ impl Settled<'_> {
         !self.orbit.switches() && self.orbit.phases[0].motion == Motion::Stuck
     }
 
+    /// ∫ exp(−jkωt) dt over the phases of each kind, k = 0 … `highest`, and one more for
+    /// [`Self::held`] of a cosine.
+    pub(super) fn integrals(&self, highest: usize) -> PhaseIntegrals {
+        let one_more = usize::from(self.excitation.is_pure_cosine());
+        PhaseIntegrals::new(&self.orbit, highest + one_more)
+    }
+
     /// ∫ τ exp(−jkωt) dt over the phases of rest, where the friction equals the torque;
     /// k = 0 … `highest`.
-    pub(super) fn held(&self, highest: usize) -> Vec<Complex> {
+    pub(super) fn held(&self, integrals: &PhaseIntegrals, highest: usize) -> Vec<Complex> {
         match &self.torque {
             Some(torque) => self.held_samples(torque, highest),
-            None => spectrum::held_lines(&self.orbit, &self.lines, highest),
+            None => spectrum::held_lines(&self.orbit, integrals, &self.lines, highest),
         }
     }
 
     /// The same for a signal of other lines, such as a change of the torque.
-    pub(super) fn held_of(&self, lines: &[Complex], highest: usize) -> Vec<Complex> {
+    pub(super) fn held_of(
+        &self,
+        lines: &[Complex],
+        integrals: &PhaseIntegrals,
+        highest: usize,
+    ) -> Vec<Complex> {
         match self.excitation.grid() {
             Some(grid) if self.orbit.sticks() => {
                 let omega = self.excitation.omega_rad_s();
@@ -57,7 +75,7 @@ impl Settled<'_> {
                 self.held_samples(&signal, highest)
             }
             Some(_) => vec![Complex::new(0.0, 0.0); highest + 1],
-            None => spectrum::held_lines(&self.orbit, lines, highest),
+            None => spectrum::held_lines(&self.orbit, integrals, lines, highest),
         }
     }
 
@@ -75,6 +93,57 @@ impl Settled<'_> {
     }
 }
 
+/// Velocity harmonics V₀ … V_H of the base model with the plant and the friction levels of the axis.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
+pub(super) fn respond(
+    axis: &Axis,
+    excitation: &Excitation,
+    highest: usize,
+) -> Result<Vec<Complex>, NoResponse> {
+    let plant = plant(axis);
+    match SlidingCosine::find(&plant, excitation) {
+        Some(sliding) => Ok(sliding.velocity(highest)),
+        None => Ok(spectrum::velocity(&settle_not_sliding(plant, excitation)?, highest)),
+    }
+}
+
+/// The same with derivatives by the first `rows` lanes, one row for each, of a plant with the friction
+/// levels of the axis.
+///
+/// # Errors
+/// [`NoResponse::NotPeriodic`].
+pub(super) fn differentiate(
+    variable: &Plant<Wide>,
+    excitation: &Excitation,
+    highest: usize,
+    rows: usize,
+) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
+    let plant = variable.map(Scalar::value);
+    let (velocity, by_number) = match SlidingCosine::find(&plant, excitation) {
+        Some(sliding) => {
+            let velocity = sliding.velocity(highest);
+            let by_number = sliding.sensitivities(excitation, &velocity);
+            (velocity, by_number)
+        }
+        None => {
+            let settled = settle_not_sliding(plant, excitation)?;
+            let directions = sensitivity::parameter_directions(&plant, excitation);
+            let settled = Differentiable::new(settled, highest);
+            let by_number = settled.along(&directions);
+            (settled.velocity, by_number)
+        }
+    };
+    let rows = sensitivity::by_lane(variable, &velocity, &by_number, rows);
+    Ok((velocity, rows))
+}
+
+/// The plant with the friction levels of the axis.
+pub(super) fn plant<S: Scalar>(axis: &Axis<S>) -> Plant<S> {
+    Plant { friction: axis.levels(), ..axis.plant }
+}
+
 /// Finds the periodic motion of the base model with the plant and the friction levels of the axis.
 /// All other effects are ignored.
 ///
@@ -84,10 +153,23 @@ pub(super) fn settle<'a>(
     axis: &Axis,
     excitation: &'a Excitation,
 ) -> Result<Settled<'a>, NoResponse> {
-    let plant = Plant { friction: axis.levels(), ..axis.plant };
+    settle_by(plant(axis), excitation, cosine::orbit)
+}
+
+/// The same where [`SlidingCosine::find`] has found nothing.
+fn settle_not_sliding(plant: Plant, excitation: &Excitation) -> Result<Settled<'_>, NoResponse> {
+    settle_by(plant, excitation, cosine::orbit_with_rest)
+}
+
+/// `of_cosine` finds the motion under a pure cosine.
+fn settle_by(
+    plant: Plant,
+    excitation: &Excitation,
+    of_cosine: impl Fn(&Plant, Complex, f64) -> Result<SwitchingTimes, NoResponse>,
+) -> Result<Settled<'_>, NoResponse> {
     let lines = excitation.torque_lines(&plant.actuator);
     let (orbit, torque) = match excitation.grid() {
-        None => (cosine::orbit(&plant, lines[1], excitation.omega_rad_s())?, None),
+        None => (of_cosine(&plant, lines[1], excitation.omega_rad_s())?, None),
         Some(grid) => {
             let (orbit, torque) = periodic::orbit(&plant, &lines, excitation, grid)?;
             (orbit, Some(torque))

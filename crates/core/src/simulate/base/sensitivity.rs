@@ -28,7 +28,7 @@ pub(crate) struct Differentiable<'a> {
 impl<'a> Differentiable<'a> {
     /// The harmonics 0 … `highest` of a motion.
     pub fn new(settled: Settled<'a>, highest: usize) -> Self {
-        let integrals = PhaseIntegrals::new(&settled.orbit, highest);
+        let integrals = settled.integrals(highest);
         let velocity = spectrum::of_phases(&settled, &integrals, highest);
         let instants = Instants::new(&settled);
         Self { settled, velocity, integrals, instants }
@@ -46,7 +46,7 @@ impl<'a> Differentiable<'a> {
         let sticks = orbit.sticks();
         let held = |direction: &Direction| match direction.lines.is_empty() || !sticks {
             true => vec![Complex::ZERO; velocity.len()],
-            false => settled.held_of(&direction.lines, highest),
+            false => settled.held_of(&direction.lines, integrals, highest),
         };
         let mut friction: Vec<Vec<Complex>> = directions.iter().map(held).collect();
         instants.add_moves(settled, directions, &mut friction);

@@ -13,7 +13,7 @@ use super::turns;
 
 /// Velocity harmonics V₀ … V_H of a periodic motion.
 pub(crate) fn velocity(settled: &Settled<'_>, highest: usize) -> Vec<Complex> {
-    of_phases(settled, &PhaseIntegrals::new(&settled.orbit, highest), highest)
+    of_phases(settled, &settled.integrals(highest), highest)
 }
 
 /// The same, given the integrals over its phases.
@@ -27,7 +27,7 @@ pub(super) fn of_phases(
         return vec![Complex::ZERO; highest + 1];
     }
     let omega = std::f64::consts::TAU / orbit.period_s;
-    let held = if orbit.sticks() { settled.held(highest) } else { Vec::new() };
+    let held = if orbit.sticks() { settled.held(spans, highest) } else { Vec::new() };
     (0..=highest)
         .map(|k| {
             let friction = plant.friction.fc_plus * spans.forward[k]
@@ -105,9 +105,11 @@ impl PhaseIntegrals {
     }
 }
 
-/// ∫ Re(Σ Tₗ·exp(jlωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`.
+/// ∫ Re(Σ Tₗ·exp(jlωt))·exp(−jkωt) dt over the phases of rest, k = 0 … `highest`, from the integrals
+/// over these phases, which are computed where not enough of them are `known`.
 pub(crate) fn held_lines(
     orbit: &SwitchingTimes,
+    known: &PhaseIntegrals,
     lines: &[Complex],
     highest: usize,
 ) -> Vec<Complex> {
@@ -115,7 +117,9 @@ pub(crate) fn held_lines(
     if !orbit.sticks() {
         return held;
     }
-    let stuck = PhaseIntegrals::new(orbit, highest + lines.len()).stuck;
+    let needed = highest + lines.len();
+    let more = (known.stuck.len() < needed).then(|| PhaseIntegrals::new(orbit, needed));
+    let stuck = &more.as_ref().unwrap_or(known).stuck;
     for (l, line) in lines.iter().enumerate().filter(|(_, line)| line.norm_sqr() > 0.0) {
         for (k, sum) in held.iter_mut().enumerate() {
             let below = if k >= l { stuck[k - l] } else { stuck[l - k].conj() };

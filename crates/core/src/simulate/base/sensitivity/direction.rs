@@ -1,9 +1,9 @@
 //! The directions along which a motion is differentiated: the parameters of the base model, and changes
 //! of its input.
 
-use crate::effects::{Axis, Wide};
+use crate::effects::Wide;
 use crate::measurement::Complex;
-use crate::plant::{Actuator, Plant, Scalar};
+use crate::plant::{Actuator, Friction, Plant, Scalar};
 
 use crate::simulate::base::switching_times::Motion;
 use crate::simulate::signal::excitation::Excitation;
@@ -115,42 +115,36 @@ pub(crate) fn parameter_directions(plant: &Plant, excitation: &Excitation) -> Ve
     ]
 }
 
-/// Chain rule: derivatives of the harmonics by every lane of an axis. `by_number` are the
-/// derivatives by the axis's numbers, in the order of [`parameter_directions`].
+/// Chain rule: derivatives of the harmonics by every lane of a plant. `by_number` are the derivatives
+/// by the plant's numbers, in the order of [`parameter_directions`]; empty where they are 0.
 pub(crate) fn by_lane(
-    axis: &Axis<Wide>,
+    plant: &Plant<Wide>,
     velocity: &[Complex],
     by_number: &[Vec<Complex>],
     lanes: usize,
 ) -> Vec<Vec<Complex>> {
-    let levels = axis.levels();
-    let plant = &axis.plant;
-    let (first, second) = match plant.actuator {
+    let Plant { viscous_rate_rad_s, constant, actuator, friction } = plant;
+    let (first, second) = match actuator {
         Actuator::Direct => (None, None),
         Actuator::FirstOrder { corner_rad_s } => (Some(corner_rad_s), None),
         Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio } => {
             (Some(natural_frequency_rad_s), Some(damping_ratio))
         }
     };
-    let friction = [levels.fc_plus, levels.fc_minus, levels.fs_plus, levels.fs_minus];
-    let numbers = [Some(plant.viscous_rate_rad_s)]
-        .into_iter()
-        .chain(friction.map(Some))
-        .chain([first, second]);
-    let weighted: Vec<(Wide, &Vec<Complex>)> =
-        numbers.zip(by_number).filter_map(|(number, row)| Some((number?, row))).collect();
-    (0..lanes)
-        .map(|lane| {
-            // The response is proportional to K.
-            let by_constant = plant.constant.lane(lane) / plant.constant.value();
-            let mut row: Vec<Complex> = velocity.iter().map(|v| v * by_constant).collect();
-            for (number, derivatives) in &weighted {
-                let slope = number.lane(lane);
-                if slope != 0.0 {
-                    row.iter_mut().zip(*derivatives).for_each(|(sum, d)| *sum += d * slope);
-                }
+    let Friction { fc_plus, fc_minus, fs_plus, fs_minus } = friction;
+    let levels = [fc_plus, fc_minus, fs_plus, fs_minus].map(Some);
+    let numbers = [Some(viscous_rate_rad_s)].into_iter().chain(levels).chain([first, second]);
+    let along_lane = |lane: usize| {
+        // The response is proportional to K.
+        let by_constant = constant.lane(lane) / constant.value();
+        let mut row: Vec<Complex> = velocity.iter().map(|v| v * by_constant).collect();
+        for (number, derivatives) in numbers.clone().zip(by_number) {
+            let slope = number.map_or(0.0, |number| number.lane(lane));
+            if slope != 0.0 {
+                row.iter_mut().zip(derivatives).for_each(|(sum, d)| *sum += d * slope);
             }
-            row
-        })
-        .collect()
+        }
+        row
+    };
+    (0..lanes).map(along_lane).collect()
 }

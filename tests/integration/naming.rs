@@ -143,6 +143,16 @@ fn a_sharp_resonance_of_the_actuator_is_found_and_no_effect_is_named() {
     assert_eq!(outcome.verdict(), Some(Verdict::Adequate), "{:?}", outcome.causes());
 }
 
+// The rate of a multisine is that of its course in time. Taken for the largest level at the highest
+// frequency, the rates that were tried were too high to change anything.
+#[test]
+fn a_slew_limit_of_a_multisine_is_sought_within_its_rate() {
+    let settings = Settings { seed: 2921, ..settings() };
+    let case = case("analyser-record-60-slew_limit-o0-0");
+    let outcome = run_case(&case, &settings, &Silent).unwrap().outcome;
+    assert_eq!(outcome.answer.unwrap().causes[0].effect, "slew_limit");
+}
+
 // There nothing says which way to go; a step too far had left a level where it stayed.
 #[test]
 fn static_friction_is_found_from_levels_at_which_it_does_nothing() {

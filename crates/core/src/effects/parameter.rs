@@ -115,9 +115,12 @@ pub struct Scope {
     pub moving_level: f64,
     /// Largest peak input, input units.
     pub largest_level: f64,
-    /// Largest velocity amplitude, velocity units.
+    /// Largest rate of change of the input within the band, input units per second.
+    pub steepest_input: f64,
+    /// Largest velocity, velocity units: under a cosine an amplitude, under any other input half the
+    /// peak-to-peak value.
     pub largest_velocity: f64,
-    /// Largest position amplitude, velocity units times second.
+    /// Largest position amplitude of any harmonic, velocity units times second.
     pub largest_travel: f64,
 }
 

@@ -25,11 +25,12 @@ const PARAMETERS: [Parameter; 1] = [Parameter {
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     range: |scope| {
-        let fastest = scope.largest_level * scope.omega_high;
+        // A higher limit changes nothing.
+        let steepest = scope.steepest_input;
         Range {
-            bounds: [1e-3 * fastest, 1.01 * fastest],
-            likely: [0.05 * fastest, fastest],
-            absent: Some(1.01 * fastest),
+            bounds: [1e-3 * steepest, 1.01 * steepest],
+            likely: [0.05 * steepest, steepest],
+            absent: Some(1.01 * steepest),
         }
     },
 }];

@@ -21,6 +21,7 @@ fn scope() -> Scope {
         omega_high: 100.0,
         moving_level: 1.0,
         largest_level: 4.0,
+        steepest_input: 400.0,
         largest_velocity: 3.5,
         largest_travel: 3.5,
     }
@@ -103,6 +104,7 @@ fn ranges_follow_the_units_of_the_upload() {
         omega_high: 100.0 / second,
         moving_level: input,
         largest_level: 4.0 * input,
+        steepest_input: 400.0 * input / second,
         largest_velocity: 3.5 * velocity,
         largest_travel: 3.5 * velocity * second,
     };

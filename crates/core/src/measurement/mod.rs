@@ -43,7 +43,7 @@ pub use metadata::{Loop, Metadata, Quantity, ResponseKind};
 pub use record::{Record, RecordStatement};
 pub use record_error::RecordError;
 pub use transient::{Beginning, Intersample, Transient};
-pub(crate) use waveform::half_peak_to_peak;
+pub(crate) use waveform::{half_peak_to_peak, peak};
 
 /// A line of an input counts as excited if it is larger than this share of the largest line
 /// (tuned).

@@ -1,4 +1,4 @@
-//! Peak-to-peak value of a periodic signal given by its harmonics.
+//! Extremes of a periodic signal given by its harmonics.
 
 use rustfft::FftPlanner;
 
@@ -9,26 +9,36 @@ use super::Complex;
 /// Exact for a single harmonic. Otherwise the signal is sampled at 16 or more points per period of
 /// the highest harmonic, and a parabola through the three points around each extreme refines it.
 pub(crate) fn half_peak_to_peak(harmonics: &[Complex]) -> f64 {
+    let [top, bottom] = extremes(harmonics);
+    0.5 * (top + bottom)
+}
+
+/// Largest absolute value of x(t) without its mean, to the same accuracy.
+pub(crate) fn peak(harmonics: &[Complex]) -> f64 {
+    extremes(harmonics).into_iter().fold(0.0, f64::max)
+}
+
+/// How far x(t) goes above and below its mean.
+fn extremes(harmonics: &[Complex]) -> [f64; 2] {
     let alternating = harmonics.get(1..).unwrap_or(&[]);
     let mut nonzero = alternating.iter().filter(|value| value.norm_sqr() > 0.0);
     match (nonzero.next(), nonzero.next()) {
-        (None, _) => return 0.0,
-        (Some(only), None) => return only.norm(),
+        (None, _) => return [0.0; 2],
+        (Some(only), None) => return [only.norm(); 2],
         _ => {}
     }
     let points = (16 * harmonics.len()).next_power_of_two().max(256);
     let mut wave = vec![Complex::ZERO; points];
-    wave[..harmonics.len()].copy_from_slice(harmonics);
+    wave[1..harmonics.len()].copy_from_slice(alternating);
     FftPlanner::new().plan_fft_inverse(points).process(&mut wave);
-    let extreme = |sign: f64| {
+    [1.0, -1.0].map(|sign: f64| {
         let height = |index: usize| sign * wave[index % points].re;
         let top = (0..points).max_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(0);
         let (left, middle, right) = (height(top + points - 1), height(top), height(top + 1));
         let curvature = 2.0 * middle - left - right;
         let rise = if curvature > 0.0 { (right - left).powi(2) / (8.0 * curvature) } else { 0.0 };
         middle + rise
-    };
-    0.5 * (extreme(1.0) + extreme(-1.0))
+    })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::scales::Scales;
 use crate::identify::observed_motion::largest_velocity;
 use crate::identify::parameters::Prior;
-use crate::measurement::{EXCITED_SHARE, Experiment, ResponseKind};
+use crate::measurement::{Complex, EXCITED_SHARE, Experiment, ResponseKind, peak};
 
 /// Peak input of an experiment: its magnitude (half its peak-to-peak value) plus the size of its
 /// mean.
@@ -22,6 +22,18 @@ pub(super) fn excited_band(experiment: &Experiment) -> (f64, f64) {
         .map(|(k, _)| k as f64 * experiment.omega_rad_s);
     let first = excited.next().unwrap_or(experiment.omega_rad_s);
     (first, excited.next_back().unwrap_or(first))
+}
+
+/// Largest rate of change of the input of an experiment, input units per second, of its lines up to
+/// `omega_high`: those above are noise in most records.
+pub(super) fn steepest_input(experiment: &Experiment, omega_high: f64) -> f64 {
+    let rate = |(k, u): (usize, &Complex)| {
+        let omega = k as f64 * experiment.omega_rad_s;
+        // A line at the edge of the band belongs to it.
+        if omega < omega_high * (1.0 + 1e-9) { u * Complex::new(0.0, omega) } else { Complex::ZERO }
+    };
+    let rates: Vec<Complex> = experiment.input.iter().enumerate().map(rate).collect();
+    peak(&rates)
 }
 
 /// Frequency band and torque levels of the experiments, in scale.

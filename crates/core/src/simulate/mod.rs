@@ -82,7 +82,7 @@ pub fn respond_if(
     let axis = effects::enter_values(*plant, effects, excitation.run_share());
     check(&axis)?;
     let mut velocity = if axis.is_base() {
-        base::respond(&axis, excitation, highest)?
+        base::respond::respond(&axis, excitation, highest)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::respond(&axis, excitation, highest)?
     } else {
@@ -110,7 +110,8 @@ pub fn respond_with_sensitivities(
 ) -> Result<Response, NoResponse> {
     if effects.is_empty() {
         check(&Axis::base(plant.map(Scalar::value)))?;
-        let (velocity, sensitivities) = base::differentiate(plant, excitation, highest, variables)?;
+        let (velocity, sensitivities) =
+            base::respond::differentiate(plant, excitation, highest, variables)?;
         return Ok(Response { velocity, sensitivities });
     }
     let axis = effects::enter(*plant, effects, excitation.run_share(), variables);
@@ -118,7 +119,7 @@ pub fn respond_with_sensitivities(
     check(&values)?;
     let rows = variables + effects.iter().map(|effect| effect.values().len()).sum::<usize>();
     let (mut velocity, mut sensitivities) = if axis.is_base() {
-        base::differentiate(&base::plant(&axis), excitation, highest, rows)?
+        base::respond::differentiate(&base::plant(&axis), excitation, highest, rows)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::differentiate(&axis, &values, excitation, highest, rows)?
     } else {

@@ -8,6 +8,7 @@
 
 pub(super) mod cosine;
 pub(super) mod periodic;
+pub(super) mod respond;
 pub(super) mod sensitivity;
 mod sliding_cosine;
 pub(super) mod spectrum;
@@ -16,15 +17,13 @@ pub(super) mod torque_sensitivity;
 mod turns;
 mod two_slides;
 
-use crate::effects::{Axis, Wide};
+use crate::effects::Axis;
 use crate::measurement::Complex;
 use crate::plant::{Plant, Scalar};
 
 use super::response::NoResponse;
 use super::signal::excitation::Excitation;
 use super::signal::samples::Samples;
-use sensitivity::Differentiable;
-use sliding_cosine::SlidingCosine;
 use spectrum::PhaseIntegrals;
 use switching_times::{Motion, SwitchingTimes};
 
@@ -93,52 +92,6 @@ impl Settled<'_> {
     }
 }
 
-/// Velocity harmonics V₀ … V_H of the base model with the plant and the friction levels of the axis.
-///
-/// # Errors
-/// [`NoResponse::NotPeriodic`].
-pub(super) fn respond(
-    axis: &Axis,
-    excitation: &Excitation,
-    highest: usize,
-) -> Result<Vec<Complex>, NoResponse> {
-    let plant = plant(axis);
-    match SlidingCosine::find(&plant, excitation) {
-        Some(sliding) => Ok(sliding.velocity(highest)),
-        None => Ok(spectrum::velocity(&settle_not_sliding(plant, excitation)?, highest)),
-    }
-}
-
-/// The same with derivatives by the first `rows` lanes, one row for each, of a plant with the friction
-/// levels of the axis.
-///
-/// # Errors
-/// [`NoResponse::NotPeriodic`].
-pub(super) fn differentiate(
-    variable: &Plant<Wide>,
-    excitation: &Excitation,
-    highest: usize,
-    rows: usize,
-) -> Result<(Vec<Complex>, Vec<Vec<Complex>>), NoResponse> {
-    let plant = variable.map(Scalar::value);
-    let (velocity, by_number) = match SlidingCosine::find(&plant, excitation) {
-        Some(sliding) => {
-            let velocity = sliding.velocity(highest);
-            let by_number = sliding.sensitivities(excitation, &velocity);
-            (velocity, by_number)
-        }
-        None => {
-            let settled = settle_not_sliding(plant, excitation)?;
-            let directions = sensitivity::parameter_directions(&plant, excitation);
-            let settled = Differentiable::new(settled, highest);
-            let by_number = settled.along(&directions);
-            (settled.velocity, by_number)
-        }
-    };
-    let rows = sensitivity::by_lane(variable, &velocity, &by_number, rows);
-    Ok((velocity, rows))
-}
-
 /// The plant with the friction levels of the axis.
 pub(super) fn plant<S: Scalar>(axis: &Axis<S>) -> Plant<S> {
     Plant { friction: axis.levels(), ..axis.plant }
@@ -156,7 +109,7 @@ pub(super) fn settle<'a>(
     settle_by(plant(axis), excitation, cosine::orbit)
 }
 
-/// The same where [`SlidingCosine::find`] has found nothing.
+/// The same where [`sliding_cosine`] has found nothing.
 fn settle_not_sliding(plant: Plant, excitation: &Excitation) -> Result<Settled<'_>, NoResponse> {
     settle_by(plant, excitation, cosine::orbit_with_rest)
 }

@@ -7,9 +7,8 @@
 //! Y. Bengio, AISTATS 2010.
 //!
 //! Features and targets are standardised internally, and the features projected on their principal
-//! components. A sixth of the samples is held out: the
-//! weights that predict these best are kept, and the errors on them are the network's
-//! [spread](Network::spread).
+//! components. A sixth of the samples is held out: the weights that predict these best are kept, and
+//! the errors on them are the network's [spread](Network::spread).
 
 mod adam;
 mod components;

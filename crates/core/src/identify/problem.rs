@@ -114,7 +114,12 @@ impl Problem {
             e.excitation.is_pure_cosine() && e.targets.iter().all(|target| target.order % 2 == 1)
         });
         let per_scale = scales.omega / scales.velocity;
-        let steepest = experiments.iter().map(|e| steepest_input(e, high)).fold(0.0, f64::max);
+        let steepest = match experiments.iter().map(|e| steepest_input(e, high)).fold(0.0, f64::max)
+        {
+            // No line of the input is within the band that was observed.
+            0.0 => largest_input * high,
+            steepest => steepest,
+        };
         Ok(Self {
             scales,
             experiments: prepared,
@@ -272,6 +277,15 @@ mod tests {
         assert!(near(problem.steepest_input * input * omega, steepest));
         assert!(near(problem.highest_velocity * velocity, half_range(&velocities)));
         assert!(near(problem.widest_travel * velocity / omega, half_range(&travels)));
+    }
+
+    #[test]
+    fn an_input_of_which_no_line_was_observed_has_a_rate() {
+        let mut experiments = stepped_sine(&axis(ACTUATORS[0]), 1).experiments().to_vec();
+        for e in &mut experiments {
+            e.input = vec![Complex::ZERO, Complex::ZERO, Complex::ZERO, Complex::ONE];
+        }
+        assert!(Problem::new(&joined(experiments)).unwrap().steepest_input > 0.0);
     }
 
     #[test]

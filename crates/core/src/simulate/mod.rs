@@ -82,7 +82,7 @@ pub fn respond_if(
     let axis = effects::enter_values(*plant, effects, excitation.run_share());
     check(&axis)?;
     let mut velocity = if axis.is_base() {
-        base::respond::respond(&axis, excitation, highest)?
+        base::respond::respond(&base::plant(&axis), excitation, highest)?
     } else if axis.is_piecewise_linear() {
         stick_slip_periodic::respond(&axis, excitation, highest)?
     } else {
@@ -109,6 +109,7 @@ pub fn respond_with_sensitivities(
     highest: usize,
 ) -> Result<Response, NoResponse> {
     if effects.is_empty() {
+        // An axis with all its derivatives is large, and would be copied in vain.
         check(&Axis::base(plant.map(Scalar::value)))?;
         let (velocity, sensitivities) =
             base::respond::differentiate(plant, excitation, highest, variables)?;

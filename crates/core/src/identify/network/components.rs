@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Share of the features' variance that may be lost (tuned).
+/// Share of the features' mean square that may be lost (tuned).
 const LOST_SHARE: f64 = 1e-3;
 
 /// The directions along which samples vary most.
@@ -17,8 +17,7 @@ pub(super) struct Components {
 }
 
 impl Components {
-    /// The fewest directions that lose no more than a thousandth of the variance about zero; at
-    /// least one.
+    /// The fewest directions that lose no more than [`LOST_SHARE`] of the mean square; at least one.
     pub(super) fn of(samples: &[&[f64]]) -> Self {
         let length = samples.first().map_or(0, |sample| sample.len());
         let rows = DMatrix::from_fn(samples.len(), length, |i, j| samples[i][j]);

@@ -189,7 +189,9 @@ impl<'a> FromRest<'a> {
             (-z, -slope)
         };
         let end = newton([low, high], first, 80, falling, |step| {
-            let settled = step.length < 1e-6 * (step.to - low);
+            // A step that halves the bracket says nothing of how near the end is.
+            let is_newton = step.length < 0.25 * step.bracket;
+            let settled = is_newton && step.length < 1e-6 * (step.to - low);
             settled || step.length.min(step.bracket) < 1e-15 * step.to.abs().max(1.0)
         });
         end + shift

@@ -1,33 +1,31 @@
 //! The response of the base model, and its derivatives.
 
-use crate::effects::{Axis, Wide};
+use crate::effects::Wide;
 use crate::measurement::Complex;
 use crate::plant::{Plant, Scalar};
 
 use super::sensitivity::{self, Differentiable};
 use super::sliding_cosine::SlidingCosine;
-use super::{plant, settle_not_sliding, spectrum};
+use super::{settle_not_sliding, spectrum};
 use crate::simulate::response::NoResponse;
 use crate::simulate::signal::excitation::Excitation;
 
-/// Velocity harmonics V₀ … V_H of the base model with the plant and the friction levels of the axis.
+/// Velocity harmonics V₀ … V_H of the base model.
 ///
 /// # Errors
 /// [`NoResponse::NotPeriodic`].
 pub(crate) fn respond(
-    axis: &Axis,
+    plant: &Plant,
     excitation: &Excitation,
     highest: usize,
 ) -> Result<Vec<Complex>, NoResponse> {
-    let plant = plant(axis);
-    match SlidingCosine::find(&plant, excitation) {
+    match SlidingCosine::find(plant, excitation) {
         Some(sliding) => Ok(sliding.velocity(highest)),
-        None => Ok(spectrum::velocity(&settle_not_sliding(plant, excitation)?, highest)),
+        None => Ok(spectrum::velocity(&settle_not_sliding(*plant, excitation)?, highest)),
     }
 }
 
-/// The same with derivatives by the first `rows` lanes, one row for each, of a plant with the friction
-/// levels of the axis.
+/// The same with derivatives by the first `rows` lanes of the plant, one row for each.
 ///
 /// # Errors
 /// [`NoResponse::NotPeriodic`].

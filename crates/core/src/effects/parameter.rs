@@ -117,8 +117,7 @@ pub struct Scope {
     pub largest_level: f64,
     /// Largest rate of change of the input within the band, input units per second.
     pub steepest_input: f64,
-    /// Largest velocity, velocity units: under a cosine an amplitude, under any other input half the
-    /// peak-to-peak value.
+    /// Largest velocity amplitude of any harmonic, velocity units.
     pub largest_velocity: f64,
     /// Largest position amplitude of any harmonic, velocity units times second.
     pub largest_travel: f64,

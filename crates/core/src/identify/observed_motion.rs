@@ -10,17 +10,6 @@ pub(super) fn largest_velocity(experiment: &Experiment, kind: ResponseKind) -> f
     velocities.fold(0.0, f64::max)
 }
 
-/// Highest velocity of any experiment, velocity units: under a cosine the largest amplitude of a
-/// harmonic, under any other input half the peak-to-peak value. A multisine is several times as fast as
-/// any of its lines.
-pub(super) fn highest_velocity(experiments: &[Experiment], kind: ResponseKind) -> f64 {
-    let of = |e: &Experiment| match e.pure_cosine().is_some() {
-        true => largest_velocity(e, kind),
-        false => half_range(e, |harmonic, e| velocity(harmonic, e, kind)),
-    };
-    experiments.iter().map(of).fold(0.0, f64::max)
-}
-
 /// Largest position amplitude of any harmonic, velocity units times second.
 pub(super) fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
     let of = |e: &Experiment| moving(e).map(|h| position(h, e, kind).norm()).fold(0.0, f64::max);
@@ -30,15 +19,12 @@ pub(super) fn largest_travel(experiments: &[Experiment], kind: ResponseKind) -> 
 /// Half the peak-to-peak position of the experiment in which that is largest, velocity units times
 /// second.
 pub(super) fn widest_travel(experiments: &[Experiment], kind: ResponseKind) -> f64 {
-    let of = |e: &Experiment| half_range(e, |harmonic, e| position(harmonic, e, kind));
+    let of = |e: &Experiment| {
+        let mut lines = vec![Complex::new(0.0, 0.0); e.highest_harmonic() + 1];
+        moving(e).for_each(|h| lines[h.order] = position(h, e, kind));
+        half_peak_to_peak(&lines)
+    };
     experiments.iter().map(of).fold(0.0, f64::max)
-}
-
-/// Half the peak-to-peak value of a signal, given its harmonics.
-fn half_range(experiment: &Experiment, value: impl Fn(&Harmonic, &Experiment) -> Complex) -> f64 {
-    let mut lines = vec![Complex::new(0.0, 0.0); experiment.highest_harmonic() + 1];
-    moving(experiment).for_each(|h| lines[h.order] = value(h, experiment));
-    half_peak_to_peak(&lines)
 }
 
 fn moving(experiment: &Experiment) -> impl Iterator<Item = &Harmonic> {

@@ -16,7 +16,7 @@ use crate::effects::Scope;
 use crate::measurement::{Measurement, ResponseKind};
 use crate::plant::Plant;
 
-use super::observed_motion::{highest_velocity, largest_travel, largest_velocity, widest_travel};
+use super::observed_motion::{largest_travel, largest_velocity, widest_travel};
 use super::parameters::Prior;
 use super::request::IdentifyError;
 use levels::{excited_band, levels, peak_input, steepest_input};
@@ -43,9 +43,6 @@ pub(super) struct Problem {
     pub runs_known: bool,
     /// Largest rate of change of the input within the band, in scale.
     pub steepest_input: f64,
-    /// Highest velocity, in scale: under a cosine the largest amplitude of a harmonic, under any other
-    /// input half the peak-to-peak value.
-    pub highest_velocity: f64,
     /// Largest position amplitude of any harmonic, in scale.
     pub largest_travel: f64,
     /// Half the peak-to-peak position where that is largest, in scale. Of a multisine it is several
@@ -128,7 +125,6 @@ impl Problem {
             response_scale,
             runs_known,
             steepest_input: steepest / (scales.input * scales.omega),
-            highest_velocity: highest_velocity(experiments, kind) / scales.velocity,
             largest_travel: largest_travel(experiments, kind) * per_scale,
             widest_travel: widest_travel(experiments, kind) * per_scale,
         })
@@ -155,7 +151,7 @@ impl Problem {
             moving_level: self.prior.moving_level,
             largest_level: self.prior.largest_level,
             steepest_input: self.steepest_input,
-            largest_velocity: self.highest_velocity,
+            largest_velocity: 1.0,
             largest_travel: self.largest_travel,
         }
     }
@@ -244,39 +240,21 @@ mod tests {
 
     // 4096 samples of at most 40 cycles miss an extreme by a few thousandths at most.
     #[test]
-    fn a_multisine_is_as_steep_and_as_fast_as_its_course() {
+    fn a_multisine_is_as_steep_as_its_course() {
         let measurement = multisine(&axis(ACTUATORS[0]));
         let experiment = &measurement.experiments()[0];
-        let course = |lines: &[Complex]| -> Vec<f64> {
-            let at = |i: usize| {
-                let turn = |k: usize| {
-                    Complex::from_polar(1.0, std::f64::consts::TAU * (i * k) as f64 / 4096.0)
-                };
-                lines.iter().enumerate().map(|(k, line)| (line * turn(k)).re).sum()
+        let rate = |i: usize| -> f64 {
+            let of = |(k, u): (usize, &Complex)| {
+                let phase = std::f64::consts::TAU * (i * k) as f64 / 4096.0;
+                let turn = Complex::from_polar(k as f64 * experiment.omega_rad_s, phase);
+                -(u * turn).im
             };
-            (0..4096).map(at).collect()
+            experiment.input.iter().enumerate().map(of).sum()
         };
-        let [low, high] = [f64::min, f64::max];
-        let extreme = |lines: &[Complex], of: fn(f64, f64) -> f64| {
-            course(lines).into_iter().reduce(of).unwrap()
-        };
-        let half_range = |lines: &[Complex]| 0.5 * (extreme(lines, high) - extreme(lines, low));
-        let turn = |k: usize| Complex::new(0.0, k as f64 * experiment.omega_rad_s);
-        let rates: Vec<Complex> =
-            experiment.input.iter().enumerate().map(|(k, u)| u * turn(k)).collect();
-        let mut velocities = vec![Complex::ZERO; experiment.highest_harmonic() + 1];
-        let moving = experiment.response.iter().filter(|h| h.order > 0);
-        moving.for_each(|h| velocities[h.order] = h.value);
-        let mut travels = velocities.clone();
-        travels.iter_mut().enumerate().skip(1).for_each(|(k, line)| *line /= turn(k));
-
+        let steepest = (0..4096).map(|i| rate(i).abs()).fold(0.0, f64::max);
         let problem = Problem::new(&measurement).unwrap();
-        let Scales { omega, input, velocity } = problem.scales;
-        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.01;
-        let steepest = extreme(&rates, high).max(-extreme(&rates, low));
-        assert!(near(problem.steepest_input * input * omega, steepest));
-        assert!(near(problem.highest_velocity * velocity, half_range(&velocities)));
-        assert!(near(problem.widest_travel * velocity / omega, half_range(&travels)));
+        let found = problem.steepest_input * problem.scales.input * problem.scales.omega;
+        assert!((found / steepest - 1.0).abs() < 0.01, "{found} {steepest}");
     }
 
     #[test]

@@ -195,7 +195,8 @@ impl Fitter<'_> {
             |other: &&&Model| other.effects().last().is_some_and(|o| are_nested(own, *o));
         let better = nested.iter().filter(is_nested).filter(|other| other.cost < fit.cost);
         let best = better.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        self.settled(self.session.exchange(best, own).into(), self.followed, step)
+        let last = best.effects().len() - 1;
+        self.settled(self.session.exchange((best, last), own).into(), self.followed, step)
     }
 
     /// Fits of a few steps from the probes of an effect, the best first.

@@ -2,6 +2,8 @@
 //! are fitted again from further starting points, and the lowest minimum is kept. A model that leaves
 //! no more than noise would, but with a structure, is started again from displaced parameters.
 
+use rayon::prelude::*;
+
 use crate::effects;
 use crate::effects::Effect;
 
@@ -10,8 +12,8 @@ use super::fitter::Fitter;
 use super::linearization::Linearization;
 use super::score_tests::Probed;
 use crate::diagnose::progress::{Part, Remaining};
-use crate::diagnose::selection::models::Key;
-use crate::identify::Model;
+use crate::diagnose::selection::models::{Key, key};
+use crate::identify::{FitAccuracy, Model};
 
 impl Search<'_> {
     /// Fits effects of a model again, from the starting points that were not used yet, if they gain
@@ -77,6 +79,27 @@ impl Search<'_> {
         }
     }
 
+    /// Fits the models with a special case of an effect in its place, such as a flexible mode for
+    /// backlash, where the search has not: the gap that was found may be none.
+    pub fn exchange_special_cases(&mut self, chosen: &Key, part: Part<'_>) {
+        let Some(model) = self.models.get(chosen) else { return };
+        let mut starts = Vec::new();
+        for (index, effect) in model.effects().iter().enumerate() {
+            let is_special = |other: &&&'static dyn Effect| {
+                let fewer = other.parameters().len() < effect.parameters().len();
+                fewer && effects::are_nested(*effect, **other)
+            };
+            for special in self.session.library().iter().filter(is_special) {
+                let [start, _] = self.session.exchange((model, index), *special);
+                starts.extend(self.models.get(&key(&start)).is_none().then_some(start));
+            }
+        }
+        let fitter = self.fitter(part, chosen.len().saturating_sub(1));
+        let refit = |start| fitter.refine(start, FitAccuracy::Settle);
+        let fits = starts.par_iter().map(refit).collect();
+        self.keep(fits);
+    }
+
     /// Starts the fit of a model again from displaced parameters of its last effect until it is
     /// `sufficient`.
     pub fn restart(&mut self, chosen: &Key, part: Part<'_>, sufficient: impl Fn(&Model) -> bool) {
@@ -114,6 +137,22 @@ mod tests {
         search.deepen(&key, PART);
         let found = search.models.get(&key).unwrap();
         assert!(found.cost < session.base().cost, "{}", found.cost);
+    }
+
+    #[test]
+    fn a_flexible_mode_is_fitted_in_place_of_the_backlash_of_a_pair() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let effects = ["backlash", "quadratic_drag"].map(|id| find(id).unwrap());
+        let extend = |model, effect| session.extend(&model, effect);
+        let pair = effects.into_iter().fold(session.base().clone(), extend);
+        let pair = session.refine(&pair, FitAccuracy::Glance);
+        let chosen = key(&pair);
+        search.keep(vec![pair]);
+        search.exchange_special_cases(&chosen, PART);
+        let special = vec!["flexible_mode", "quadratic_drag"];
+        assert!(search.models.ranked(2).contains(&special), "{:?}", search.models.ranked(2));
     }
 
     // The pair was found without a lag ever being tried beside the drag.

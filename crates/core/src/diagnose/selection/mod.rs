@@ -1,9 +1,10 @@
 //! Model selection: which of the fitted models becomes the answer.
 //!
 //! `familywise_threshold` says by how much an effect must lower χ²; `evidence` is the criterion by
-//! which models are compared; `order_selection`, `better_order` and `weighting_choice` choose the
+//! which models are compared; `order_selection`, `actuator_doubt`, `better_order` and `weighting_choice` choose the
 //! actuator order and the weights of the errors.
 
+mod actuator_doubt;
 mod better_order;
 pub(super) mod causes;
 mod confidence;

@@ -8,8 +8,9 @@ use std::cmp::Ordering;
 use std::iter;
 
 use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
-use crate::identify::{FitSession, IdentifyRequest, Intervals};
+use crate::identify::{FitSession, IdentifyRequest};
 
+use super::actuator_doubt::ActuatorDoubt;
 use super::better_order::better_order;
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
@@ -52,8 +53,9 @@ impl Spans {
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and lower ones if its
-/// base model is no axis. Then, beside the effects that are found, a higher order is taken if it is
+/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and lower ones too if its
+/// base model is no axis, or in its place if its actuator has a resonance that the data do not show.
+/// Then, beside the effects that are found, a higher order is taken if it is
 /// better by as much, or a lower one if it is better and the actuator is beyond the excited band.
 ///
 /// # Errors
@@ -73,11 +75,13 @@ pub(crate) fn diagnose(
         ..*request
     };
     let (is_open, of_cosines) = (request.plant.is_none(), first.has_cosines_alone());
-    let tries_lower = is_open && (of_cosines || is_degenerate(first));
+    let actuator_doubt = ActuatorDoubt::of(first).filter(|_| is_open && !of_cosines);
+    let tries_lower = is_open && of_cosines || actuator_doubt.is_some();
+    let is_unshown = actuator_doubt.as_ref().is_some_and(ActuatorDoubt::is_unshown_resonance);
     let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| tries_lower).map(of_order).collect();
     let may_be_better = |order: &u8| match order.cmp(&suited) {
         Ordering::Less => !tries_lower && first.actuator_is_fast(),
-        Ordering::Equal => false,
+        Ordering::Equal => is_unshown,
         Ordering::Greater => true,
     };
     let others: Vec<IdentifyRequest> = (0..=HIGHEST_ORDER)
@@ -89,7 +93,8 @@ pub(crate) fn diagnose(
     for request in &lower {
         lower_sessions.push(first.beside(request, &quietly)?);
     }
-    let sessions: Vec<&FitSession<'_>> = iter::once(first).chain(&lower_sessions).collect();
+    let sessions: Vec<&FitSession<'_>> =
+        iter::once(first).filter(|_| !is_unshown).chain(&lower_sessions).collect();
     let better;
     let each = 1.0 / sessions.len() as f64;
     let spans = Spans::of(sessions.len(), !others.is_empty());
@@ -128,11 +133,14 @@ pub(crate) fn diagnose(
     }
     let best = studies.remove(0);
     if best.order() < suited {
-        said.push(format!(
-            "without effects, an actuator of order {suited} fits best; {} fits better still and was \
-             chosen",
-            described(&best)
-        ));
+        said.push(match &actuator_doubt {
+            Some(ActuatorDoubt::UnshownResonance { sentence }) => sentence.clone(),
+            _ => format!(
+                "without effects, an actuator of order {suited} fits best; {} fits better still and \
+                 was chosen",
+                described(&best)
+            ),
+        });
     }
     if let Some(other) =
         studies.iter().find(|other| criterion(other) - criterion(&best) < EQUIVALENCE_MARGIN)
@@ -152,13 +160,6 @@ pub(crate) fn diagnose(
     }
     answer.limitations.extend(said);
     Ok(answer)
-}
-
-/// Whether the base model of a session is no axis: its pole is at a bound, so that the actuator stands
-/// for the mechanics. No effect can be found beside it.
-fn is_degenerate(session: &FitSession<'_>) -> bool {
-    let fit = session.judge(session.base(), Intervals::Curvature);
-    fit.is_ok_and(|fit| fit.identification.parameters.get("pole").is_some_and(|pole| pole.at_bound))
 }
 
 /// Faults of the measurement that explain it about as well as effects of the machine do.
@@ -218,22 +219,6 @@ fn described(study: &OrderStudy<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::fixtures::{multisine_record, plant};
-    use crate::observer::Silent;
-    use crate::plant::Plant;
-
-    // Of 120 rad/s, a pole at 20 000 turns the phase by a third of a degree.
-    #[test]
-    fn a_base_model_is_no_axis_where_its_inertia_does_not_show() {
-        let degenerate = |viscous_rate_rad_s: f64| {
-            let constant = 2.5 * viscous_rate_rad_s;
-            let machine = Plant { viscous_rate_rad_s, constant, ..plant() };
-            let record = multisine_record(machine, &[], None, 5);
-            let request = IdentifyRequest::default();
-            is_degenerate(&FitSession::new(&record, &request, &Silent).unwrap())
-        };
-        assert_eq!([8.0, 2e4].map(degenerate), [false, true]);
-    }
 
     #[test]
     fn the_shares_of_the_progress_follow_each_other() {

@@ -6,16 +6,11 @@
 //! equal weights.
 
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
-use crate::identify;
 use crate::identify::{FitSession, IdentifyRequest};
-use crate::measurement::Measurement;
 
 use super::order_selection;
 use crate::diagnose::doubt::{Data, Halt};
-use crate::diagnose::error::DiagnoseError;
 use crate::diagnose::faults::{readings, wrong_gain};
-use crate::diagnose::holdout::gain;
-use crate::diagnose::holdout::heldout_predictions::predicted;
 use crate::diagnose::progress::Part;
 
 /// Largest χ² per degree of freedom of a model that is limited by the noise. Above it the residuals
@@ -30,6 +25,11 @@ const WORTHWHILE_NRMSE_RATIO: f64 = 0.9;
 /// harmonics that repeat best would alone decide which effects are tried. Tuned; one missing effect
 /// at 60 dB gives some 100.
 const EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM: f64 = 5e3;
+
+/// Largest χ² per datum at which a model found with equal weights, fitted again with those of the noise,
+/// is worth a search with these: effects that it lacks would have to take off nine tenths more. Set by
+/// hand.
+const WORTH_NOISE_WEIGHTS_CHI2_PER_DATUM: f64 = 10.0 * NOISE_LIMITED_CHI2_PER_DOF;
 
 /// Shares of the progress: fitting the base model, the first weighting, and the second. If the
 /// base model is limited by the noise already, there is no second; else there may be.
@@ -104,8 +104,9 @@ fn choose_weighting(
         return Err(halt);
     }
     let equal_weights = equal_weights(FIRST_WEIGHTING_SPAN)?;
-    let is_near =
-        chi2_of(measurement, request, &equal_weights)? <= EQUAL_WEIGHTS_FIRST_CHI2_PER_DATUM;
+    let again = first.fitted_again(best(&equal_weights), &fitting)?;
+    let most = WORTH_NOISE_WEIGHTS_CHI2_PER_DATUM * first.data() as f64;
+    let is_near = again.is_some_and(|model| model.cost <= most);
     let by_noise = if is_near { Some(by_noise(SECOND_WEIGHTING_SPAN)?) } else { None };
     Ok(match by_noise {
         Some(by_noise) if noise_limits(&by_noise) => by_noise,
@@ -135,18 +136,6 @@ fn by_what_is_left(
 /// Whether the best model is limited by the noise, or the noise is unknown.
 fn noise_limits(answer: &Diagnosis) -> bool {
     best(answer).fit.chi2_per_dof.is_none_or(|ratio| ratio <= NOISE_LIMITED_CHI2_PER_DOF)
-}
-
-/// χ² per datum, computed with the noise weights, of a model that was fitted with equal weights.
-fn chi2_of(
-    measurement: &Measurement,
-    request: &IdentifyRequest,
-    equal_weights: &Diagnosis,
-) -> Result<f64, DiagnoseError> {
-    let mut model = best(equal_weights).clone();
-    model.provenance.options = request.options;
-    let comparison = identify::compare(measurement, &model)?;
-    Ok(gain::summary(&predicted(&comparison), true).chi2_per_dof.unwrap_or(f64::INFINITY))
 }
 
 /// The answer that leaves less of the response. If that is the one with equal weights, its first
@@ -189,7 +178,7 @@ mod tests {
     use crate::answers::{Progress, Verdict};
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::machines::draw::NoiseStatement;
-    use crate::measurement::{Complex, Experiment, Metadata};
+    use crate::measurement::{Complex, Experiment, Measurement, Metadata};
     use crate::observer::{Observer, Silent};
 
     /// The diagnosis of an axis whose sensor, at the lowest magnitude, reads alternately 10 % too

@@ -21,12 +21,12 @@ use crate::simulate::Counts;
 const INTERPOLATION_ERRORS: [f64; 3] = [0.1, 1e-5, 0.6];
 
 /// Largest defect as a share of the residuals of the base model, both weighted by the noise (root of
-/// the sum of squares). Uncorrected, it would change their sum of squares by at most 0.6 %.
-const LARGEST_DEFECT: f64 = 3e-3;
+/// the sum of squares). Uncorrected, it would change their sum of squares by at most 2 %.
+const LARGEST_DEFECT: f64 = 0.01;
 
 /// The same as a share of the noise, if that is known: χ² of a true model would, uncorrected, rise
-/// by a thousandth.
-const LARGEST_DEFECT_IN_NOISE: f64 = 0.03;
+/// by a hundredth.
+const LARGEST_DEFECT_IN_NOISE: f64 = 0.1;
 
 /// A fit on the coarse problem is repeated on the fine one if its cost differs there by more than
 /// this share (tuned).

@@ -27,15 +27,18 @@ impl FitSession<'_> {
         effect.start_points(&self.scope())
     }
 
-    /// Two models with another effect in the place of the last one. Parameters that both effects
+    /// Two models with another effect in the place of the one at `index`. Parameters that both effects
     /// have keep their values. The others are in the middle of their search range (first model) or
     /// at its lower end (second model). Not fitted.
-    pub fn exchange(&self, model: &Model, effect: &'static dyn Effect) -> [Model; 2] {
-        let last = model.effects().len() - 1;
-        let (lost, from) = (model.effects()[last], model.parameters_of(last));
-        let middle = self.extend(&self.reduce(model, last), effect);
+    pub fn exchange(
+        &self,
+        (model, index): (&Model, usize),
+        effect: &'static dyn Effect,
+    ) -> [Model; 2] {
+        let (lost, from) = (model.effects()[index], model.parameters_of(index));
+        let middle = self.extend(&self.reduce(model, index), effect);
         let mut exchanged = [middle.clone(), middle];
-        let own = exchanged[0].parameters_of(last);
+        let own = exchanged[0].parameters_of(model.effects().len() - 1);
         for ((to, parameter), range) in own.zip(effect.parameters()).zip(self.ranges(effect)) {
             let is_same = |other: &Parameter| parameter.is_same(other);
             match lost.parameters().iter().position(is_same) {

@@ -1,9 +1,9 @@
 //! Sessions on the same measurement with weights from elsewhere.
 
-use crate::answers::{Identification, IdentifyOptions, NetworkOptions};
+use crate::answers::{Identification, IdentifyOptions, NetworkOptions, PlantRequest};
 use crate::observer::Observer;
 
-use super::{FitSession, Model};
+use super::{FitAccuracy, FitSession, Model};
 use crate::identify::noise::Weights;
 use crate::identify::prediction;
 use crate::identify::request::{IdentifyError, IdentifyRequest};
@@ -62,6 +62,31 @@ impl<'a> FitSession<'a> {
         self.again(self.request, Some(&weights), observer).map(Some)
     }
 
+    /// The model of an answer to the same measurement that was found with other weights, fitted again
+    /// with those of this session. `None` if the answer lacks a parameter.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn fitted_again(
+        &self,
+        answer: &Identification,
+        observer: &dyn Observer,
+    ) -> Result<Option<Model>, IdentifyError> {
+        let (Ok(plant), Ok(reported)) = (
+            prediction::reported_plant(answer),
+            prediction::reported_effects(answer, self.problem.scales),
+        ) else {
+            return Ok(None);
+        };
+        let plant = Some(PlantRequest { actuator_order: plant.actuator.order() });
+        let request = IdentifyRequest { plant, ..*self.request };
+        let session = self.beside(&request, observer)?;
+        let base = session.base().clone();
+        let start = reported.iter().fold(base, |model, own| session.extend(&model, own.effect()));
+        let refit = |model| session.refine(&model, FitAccuracy::Settle);
+        Ok(session.at_reported(&start, answer).map(refit))
+    }
+
     /// The base model, searched for anew by the colony alone, with the weights of this session. The
     /// network would take as long again, and is no surer.
     ///
@@ -97,7 +122,9 @@ impl<'a> FitSession<'a> {
 mod tests {
     use super::*;
     use crate::answers::{IdentifyOptions, PlantRequest, Weighting};
+    use crate::effects::find;
     use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
+    use crate::identify::summary::Intervals;
     use crate::observer::Silent;
 
     // Both are refined thoroughly.
@@ -117,5 +144,28 @@ mod tests {
         };
         assert!(stages(&anew).contains(&"network".into()), "{:?}", stages(&anew));
         assert!(!stages(&known).contains(&"network".into()), "{:?}", stages(&known));
+    }
+
+    // Neither knows of the actuator; a fit settles to 1e-5 of its cost.
+    #[test]
+    fn an_answer_found_with_equal_weights_is_fitted_again_as_well_as_with_those_of_the_noise() {
+        let measurement = stepped_sine(&axis(ACTUATORS[1]), 3);
+        let plant = Some(PlantRequest { actuator_order: 0 });
+        let by_noise = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        let options = IdentifyOptions { weights: Weighting::Response, ..by_noise.options };
+        let equal = IdentifyRequest { options, ..by_noise };
+        let first = FitSession::new(&measurement, &by_noise, &Silent).unwrap();
+        let drag = find("quadratic_drag").unwrap();
+        let with = |session: &FitSession<'_>| {
+            session.refine(&session.extend(session.base(), drag), FitAccuracy::Thorough)
+        };
+        let second = first.weighted_as(&equal, &Silent).unwrap();
+        let answer = second.judge(&with(&second), Intervals::Curvature).unwrap().identification;
+        let again = first.fitted_again(&answer, &Silent).unwrap().unwrap();
+        let best = with(&first).cost;
+        assert!((again.cost / best - 1.0).abs() < 1e-3, "{} {best}", again.cost);
+        let mut incomplete = answer;
+        incomplete.parameters.shift_remove("constant");
+        assert!(first.fitted_again(&incomplete, &Silent).unwrap().is_none());
     }
 }

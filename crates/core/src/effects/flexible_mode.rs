@@ -20,9 +20,6 @@ pub struct FlexibleMode;
 
 const PARAMETERS: [Parameter; 3] = [LOAD_INERTIA_FRACTION, STIFFNESS, DAMPING];
 
-/// Least ρ. A lighter load serves a few lines of a spectrum and is not worth a name. Set by hand.
-const LIGHTEST_LOAD: f64 = 0.01;
-
 /// ρ, the load's share of the inertia.
 pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     name: "load_inertia_fraction",
@@ -31,7 +28,7 @@ pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     dimension: Dimension::NONE,
     domain: Domain::Share,
     coordinate: Coordinate::Logarithmic,
-    range: |_| Range { bounds: [LIGHTEST_LOAD, 0.99], likely: [0.03, 0.7], absent: Some(0.0) },
+    range: |_| Range { bounds: [1e-4, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
 };
 
 /// k, the stiffness of the joint.
@@ -43,14 +40,11 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     // The antiresonance √(k/(ρJ)) lies from below the lowest frequency to far above the highest,
-    // where the joint is rigid; of the lightest load, too.
+    // where the joint is rigid. The factor 3e-4 allows for light loads (ρ = 1e-4 instead of 0.3).
     range: |scope| {
         let at = |omega: f64| omega * omega * load_inertia(scope);
         Range {
-            bounds: [
-                LIGHTEST_LOAD / TYPICAL_LOAD * at(0.3 * scope.omega_low),
-                at(30.0 * scope.omega_high),
-            ],
+            bounds: [3e-4 * at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
             likely: [at(scope.omega_low), at(3.0 * scope.omega_high)],
             absent: None,
         }
@@ -66,7 +60,7 @@ pub(super) const DAMPING: Parameter = Parameter {
     domain: Domain::NotNegative,
     coordinate: Coordinate::Logarithmic,
     // From little to more than critical damping (c = 2·ρJ·ω) in the middle of the band. No joint is
-    // without any, and a resonance as sharp as that would serve a single line.
+    // without any; a resonance without it serves a few lines of a spectrum and nothing else.
     range: |scope| {
         let middle = (scope.omega_low * scope.omega_high).sqrt() * load_inertia(scope);
         Range {
@@ -77,12 +71,9 @@ pub(super) const DAMPING: Parameter = Parameter {
     },
 };
 
-/// ρ of which the ranges of stiffness and damping are.
-const TYPICAL_LOAD: f64 = 0.3;
-
-/// Inertia ρJ of such a load.
+/// Inertia ρJ of a load with ρ = 0.3.
 fn load_inertia(scope: &Scope) -> f64 {
-    TYPICAL_LOAD / scope.plant.constant.abs()
+    0.3 / scope.plant.constant.abs()
 }
 
 /// ρ of all starting points.

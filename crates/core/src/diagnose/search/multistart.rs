@@ -80,7 +80,8 @@ impl Search<'_> {
     }
 
     /// Fits the models with a special case of an effect in its place, such as a flexible mode for
-    /// backlash, where the search has not: the gap that was found may be none.
+    /// backlash, where the search has not, and those without each of its effects: the gap that was
+    /// found may be none.
     pub fn exchange_special_cases(&mut self, chosen: &Key, part: Part<'_>) {
         let Some(model) = self.models.get(chosen) else { return };
         let mut starts = Vec::new();
@@ -98,6 +99,9 @@ impl Search<'_> {
         let refit = |start| fitter.refine(start, FitAccuracy::Settle);
         let fits = starts.par_iter().map(refit).collect();
         self.keep(fits);
+        for start in &starts {
+            self.shrink(&key(start), part);
+        }
     }
 
     /// Starts the fit of a model again from displaced parameters of its last effect until it is
@@ -144,15 +148,20 @@ mod tests {
         let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let mut search = nothing_fitted(session);
-        let effects = ["backlash", "quadratic_drag"].map(|id| find(id).unwrap());
-        let extend = |model, effect| session.extend(&model, effect);
-        let pair = effects.into_iter().fold(session.base().clone(), extend);
+        let play = find("backlash").unwrap();
+        let mut alone = session.extend(session.base(), play);
+        let places = session.start_points(play);
+        let own = alone.parameters_of(0).zip(&places[places.len() / 2]);
+        own.for_each(|(i, value)| alone.set(i, *value));
+        let pair = session.extend(&alone, find("quadratic_drag").unwrap());
         let pair = session.refine(&pair, FitAccuracy::Glance);
         let chosen = key(&pair);
         search.keep(vec![pair]);
         search.exchange_special_cases(&chosen, PART);
-        let special = vec!["flexible_mode", "quadratic_drag"];
-        assert!(search.models.ranked(2).contains(&special), "{:?}", search.models.ranked(2));
+        assert!(search.models.ranked(2).contains(&vec!["flexible_mode", "quadratic_drag"]));
+        for id in ["flexible_mode", "quadratic_drag"] {
+            assert!(search.models.ranked(1).contains(&vec![id]), "{id} alone");
+        }
     }
 
     // The pair was found without a lag ever being tried beside the drag.

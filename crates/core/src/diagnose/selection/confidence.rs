@@ -12,7 +12,7 @@
 
 use super::causes::{convincing, rivals};
 use super::models::{Key, Models};
-use crate::effects::are_closest_imitators;
+use crate::effects::{are_closest_imitators, are_nested};
 
 /// ln(p/(1 − p)) of an effect without which the best model leaves as much.
 const INTERCEPT: f64 = -6.5;
@@ -25,6 +25,9 @@ const LEAST: f64 = 0.19;
 
 /// Of two imitators, the odds are the ratio of what they leave, to this power.
 const IMITATOR_POWER: f64 = 6.0;
+
+/// By how much one parameter that means nothing lowers the misfit on average.
+const CHANCE_GAIN: f64 = 1.0;
 
 /// How far the effects of a model stand out among the fitted models.
 pub(crate) struct Standing<'a> {
@@ -80,17 +83,27 @@ impl Standing<'_> {
 
     /// The share of the confidence that an effect has among its imitators: by what the best models
     /// with one of them in its place leave, and by what their parameters cost. Data held out may have
-    /// preferred the effect to an imitator that leaves less; then their odds are even.
+    /// preferred the effect to an imitator that leaves less; then their odds are even. An imitator that
+    /// has the effect as a special case and lowers the misfit no further is that effect.
     fn share_among_imitators(&self, id: &'static str) -> f64 {
         let Self { models, chosen } = self;
         let cost =
             |key: &Key| IMITATOR_POWER * models.remainder(key).ln() + 0.5 * models.complexity(key);
         let own = cost(chosen);
+        let is_same = |imitator: &'static str, key: &Key| {
+            let effects = models.effect(id).zip(models.effect(imitator));
+            let contains = effects.is_some_and(|(own, other)| {
+                are_nested(own, other) && own.parameters().len() < other.parameters().len()
+            });
+            let misfit = |key| models.criterion(key) - models.complexity(key);
+            contains && misfit(chosen) - misfit(key) < CHANCE_GAIN
+        };
         let odds = |imitator: &'static str| {
             let replaces = |key: &&Key| {
                 key.len() == chosen.len() && key.contains(&imitator) && !key.contains(&id)
             };
-            let costs = models.all().map(|(key, _)| key).filter(replaces).map(cost);
+            let keys = models.all().map(|(key, _)| key).filter(replaces);
+            let costs = keys.filter(|key| !is_same(imitator, key)).map(cost);
             (own - costs.fold(f64::INFINITY, f64::min)).min(0.0).exp()
         };
         1.0 / (1.0 + self.imitators(id).into_iter().map(odds).sum::<f64>())
@@ -129,6 +142,21 @@ mod tests {
         let (near, far) = (costs(300.0), costs(500.0));
         assert!((0.2..0.8).contains(&near), "{near}");
         assert!(far > 0.9, "{far}");
+    }
+
+    #[test]
+    fn backlash_shares_the_confidence_of_a_flexible_mode_only_where_its_gap_shows() {
+        let beside = |backlash: f64| {
+            let models = fitted_to(&[
+                (&["flexible_mode"], 300.0),
+                (&["backlash"], backlash),
+                (&["friction_drift"], 10_100.0),
+            ]);
+            confidence(&models, &key(&["flexible_mode"]), "flexible_mode", false)
+        };
+        let (without_gap, with_gap) = (beside(299.9), beside(290.0));
+        assert!(without_gap > 0.9, "{without_gap}");
+        assert!(with_gap < 0.6, "{with_gap}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What speaks against the actuator of a base model that was fitted to a record.
 
-use crate::diagnose::residuals::valid_band;
+use crate::diagnose::residuals::{discrepancy, valid_band};
 use crate::identify::{FitSession, Intervals, ModelFit};
 
 /// An actuator with less damping resonates: its gain rises fivefold. Loops and filters of drives are
@@ -25,8 +25,14 @@ pub(super) enum ActuatorDoubt {
 }
 
 impl ActuatorDoubt {
-    /// What speaks against the actuator of a session's base model, if anything does.
-    pub fn of(session: &FitSession<'_>) -> Option<Self> {
+    /// What speaks against the actuator of a session's base model, if anything does. Nothing does
+    /// where the model leaves only noise.
+    pub fn of(session: &FitSession<'_>, seed: u64) -> Option<Self> {
+        let leaves_more = |_: &Self| !discrepancy::leaves_noise(session, session.base(), seed);
+        Self::beside_more_than_noise(session).filter(leaves_more)
+    }
+
+    fn beside_more_than_noise(session: &FitSession<'_>) -> Option<Self> {
         let fit = session.judge(session.base(), Intervals::Curvature).ok()?;
         let parameters = &fit.identification.parameters;
         if parameters.get("pole").is_some_and(|pole| pole.at_bound) {
@@ -42,11 +48,6 @@ impl ActuatorDoubt {
                  {damping_ratio:.2}), but the data do not show that resonance; lower orders were taken"
             ),
         })
-    }
-
-    /// Whether the resonance of the actuator does not show.
-    pub fn is_unshown_resonance(&self) -> bool {
-        matches!(self, Self::UnshownResonance { .. })
     }
 }
 
@@ -69,7 +70,9 @@ mod tests {
         let record = multisine_record(machine, &[], None, 5);
         let plant = Some(PlantRequest { actuator_order: machine.actuator.order() });
         let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
-        ActuatorDoubt::of(&FitSession::new(&record, &request, &Silent).unwrap())
+        let session = FitSession::new(&record, &request, &Silent).unwrap();
+        assert!(ActuatorDoubt::of(&session, 1).is_none(), "it leaves only noise");
+        ActuatorDoubt::beside_more_than_noise(&session)
     }
 
     // Of 120 rad/s, a pole at 20 000 turns the phase by a third of a degree.
@@ -88,7 +91,8 @@ mod tests {
     fn a_sharp_resonance_shows_inside_the_excited_band_and_not_at_its_end() {
         let is_unshown = |natural_frequency_rad_s: f64, damping_ratio: f64| {
             let actuator = Actuator::SecondOrder { natural_frequency_rad_s, damping_ratio };
-            doubt(Plant { actuator, ..plant() }).is_some_and(|doubt| doubt.is_unshown_resonance())
+            let doubt = doubt(Plant { actuator, ..plant() });
+            matches!(doubt, Some(ActuatorDoubt::UnshownResonance { .. }))
         };
         assert!(!is_unshown(60.0, 0.05));
         assert!(is_unshown(110.0, 0.05));

@@ -53,10 +53,9 @@ impl Spans {
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
 /// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, and lower ones too if its
-/// base model is no axis, or in its place if its actuator has a resonance that the data do not show.
-/// Then, beside the effects that are found, a higher order is taken if it is
-/// better by as much, or a lower one if it is better and the actuator is beyond the excited band.
+/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, or lower ones in its
+/// place if its actuator is in doubt. Then, beside the effects that are found, a higher order is taken if
+/// it is better by as much, or a lower one if it is better and the actuator is beyond the excited band.
 ///
 /// # Errors
 /// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
@@ -75,17 +74,18 @@ pub(crate) fn diagnose(
         ..*request
     };
     let (is_open, of_cosines) = (request.plant.is_none(), first.has_cosines_alone());
-    let actuator_doubt = ActuatorDoubt::of(first).filter(|_| is_open && !of_cosines);
+    let of_record = is_open && !of_cosines;
+    let actuator_doubt = of_record.then(|| ActuatorDoubt::of(first, seed)).flatten();
     let tries_lower = is_open && of_cosines || actuator_doubt.is_some();
-    let is_unshown = actuator_doubt.as_ref().is_some_and(ActuatorDoubt::is_unshown_resonance);
+    let gives_way = actuator_doubt.is_some() && suited > 0;
     let lower: Vec<IdentifyRequest> = (0..suited).filter(|_| tries_lower).map(of_order).collect();
     let may_be_better = |order: &u8| match order.cmp(&suited) {
         Ordering::Less => !tries_lower && first.actuator_is_fast(),
-        Ordering::Equal => is_unshown,
+        Ordering::Equal => gives_way,
         Ordering::Greater => true,
     };
     let others: Vec<IdentifyRequest> = (0..=HIGHEST_ORDER)
-        .filter(|order| is_open && !of_cosines && may_be_better(order))
+        .filter(|order| of_record && may_be_better(order))
         .map(of_order)
         .collect();
     let quietly = Quiet(&part);
@@ -94,7 +94,7 @@ pub(crate) fn diagnose(
         lower_sessions.push(first.beside(request, &quietly)?);
     }
     let sessions: Vec<&FitSession<'_>> =
-        iter::once(first).filter(|_| !is_unshown).chain(&lower_sessions).collect();
+        iter::once(first).filter(|_| !gives_way).chain(&lower_sessions).collect();
     let better;
     let each = 1.0 / sessions.len() as f64;
     let spans = Spans::of(sessions.len(), !others.is_empty());

@@ -2,21 +2,21 @@
 //! Loshchilov and F. Hutter, arXiv:1711.05101).
 
 /// Learning rate at the first epoch, in standardised units (tuned).
-const LEARNING_RATE: f32 = 0.01;
+const LEARNING_RATE: f64 = 0.01;
 /// β₁, decay rate of the running mean of the gradient: the default of Kingma and Ba.
-const FIRST_MOMENT_DECAY: f32 = 0.9;
+const FIRST_MOMENT_DECAY: f64 = 0.9;
 /// β₂, decay rate of the running mean square of the gradient: the default of Kingma and Ba.
-const SECOND_MOMENT_DECAY: f32 = 0.999;
+const SECOND_MOMENT_DECAY: f64 = 0.999;
 /// ε: keeps the step finite where a gradient has always been 0.
-const STEP_EPSILON: f32 = 1e-8;
+const STEP_EPSILON: f64 = 1e-8;
 /// Weights shrink by this times the learning rate in every step (tuned). Without decay, a few
 /// hundred samples would be overfitted by a thousand weights.
-const WEIGHT_DECAY: f32 = 0.01;
+const WEIGHT_DECAY: f64 = 0.01;
 
 /// Running moments of the gradient.
 pub(super) struct Adam {
-    mean: Vec<f32>,
-    mean_square: Vec<f32>,
+    mean: Vec<f64>,
+    mean_square: Vec<f64>,
     steps: i32,
 }
 
@@ -29,10 +29,10 @@ impl Adam {
     /// by `rate_factor`.
     pub(super) fn step(
         &mut self,
-        weights: &mut [f32],
-        gradient: &[f32],
-        rate_factor: f32,
-        samples: f32,
+        weights: &mut [f64],
+        gradient: &[f64],
+        rate_factor: f64,
+        samples: f64,
     ) {
         self.steps = self.steps.saturating_add(1);
         let rate = LEARNING_RATE * rate_factor;

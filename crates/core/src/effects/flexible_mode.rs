@@ -28,8 +28,7 @@ pub(super) const LOAD_INERTIA_FRACTION: Parameter = Parameter {
     dimension: Dimension::NONE,
     domain: Domain::Share,
     coordinate: Coordinate::Logarithmic,
-    // Nobody looks for a load of less than a thousandth.
-    range: |_| Range { bounds: [1e-3, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
+    range: |_| Range { bounds: [1e-4, 0.99], likely: [3e-3, 0.7], absent: Some(0.0) },
 };
 
 /// k, the stiffness of the joint.
@@ -41,11 +40,11 @@ pub(super) const STIFFNESS: Parameter = Parameter {
     domain: Domain::Positive,
     coordinate: Coordinate::Logarithmic,
     // The antiresonance √(k/(ρJ)) lies from below the lowest frequency to far above the highest,
-    // where the joint is rigid. The factor 3e-3 allows for light loads (ρ = 1e-3 instead of 0.3).
+    // where the joint is rigid. The factor 3e-4 allows for light loads (ρ = 1e-4 instead of 0.3).
     range: |scope| {
         let at = |omega: f64| omega * omega * load_inertia(scope);
         Range {
-            bounds: [3e-3 * at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
+            bounds: [3e-4 * at(0.3 * scope.omega_low), at(30.0 * scope.omega_high)],
             likely: [at(scope.omega_low), at(3.0 * scope.omega_high)],
             absent: None,
         }

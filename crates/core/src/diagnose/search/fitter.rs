@@ -232,15 +232,27 @@ impl Fitter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::find;
     use crate::machines::draw::NoiseStatement;
+    use crate::machines::simulator::Effect;
     use crate::observer::Silent;
 
     // A model that contains another must reach its cost; a settled cost is accurate to 1e-5.
     #[test]
     fn play_that_fits_worse_than_the_joint_without_it_starts_again_from_there() {
-        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        // A resonance at 40 rad/s with a tenth of the critical damping.
+        let inertia = 0.4 * 0.6 / plant().constant;
+        let joint = Effect::new(
+            "flexible_mode",
+            [
+                ("load_inertia_fraction", 0.4),
+                ("stiffness", 40.0 * 40.0 * inertia),
+                ("damping", 0.2 * 40.0 * inertia),
+            ],
+        );
+        let (measurement, request) = (multisine_record(plant(), &[joint], None, 5), request());
         let session = FitSession::new(&measurement, &request, &Silent).unwrap();
         let base = session.base();
         let part = Part::of(&Silent);

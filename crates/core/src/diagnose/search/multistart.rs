@@ -81,9 +81,9 @@ impl Search<'_> {
 
     /// Fits the models with a special case of an effect in its place, such as a flexible mode for
     /// backlash, where the search has not, and those without each of its effects: the gap that was
-    /// found may be none.
-    pub fn exchange_special_cases(&mut self, chosen: &Key, part: Part<'_>) {
-        let Some(model) = self.models.get(chosen) else { return };
+    /// found may be none. Returns whether there was any.
+    pub fn exchange_special_cases(&mut self, chosen: &Key, part: Part<'_>) -> bool {
+        let Some(model) = self.models.get(chosen) else { return false };
         let mut starts = Vec::new();
         for (index, effect) in model.effects().iter().enumerate() {
             let is_special = |other: &&&'static dyn Effect| {
@@ -102,6 +102,7 @@ impl Search<'_> {
         for start in &starts {
             self.shrink(&key(start), part);
         }
+        !starts.is_empty()
     }
 
     /// Starts the fit of a model again from displaced parameters of its last effect until it is
@@ -157,7 +158,8 @@ mod tests {
         let pair = session.refine(&pair, FitAccuracy::Glance);
         let chosen = key(&pair);
         search.keep(vec![pair]);
-        search.exchange_special_cases(&chosen, PART);
+        assert!(search.exchange_special_cases(&chosen, PART));
+        assert!(!search.exchange_special_cases(&chosen, PART), "all are fitted");
         assert!(search.models.ranked(2).contains(&vec!["flexible_mode", "quadratic_drag"]));
         for id in ["flexible_mode", "quadratic_drag"] {
             assert!(search.models.ranked(1).contains(&vec![id]), "{id} alone");

@@ -111,8 +111,9 @@ impl<'a> OrderStudy<'a> {
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)?;
-        self.search.exchange_special_cases(&self.chosen, part);
-        self.choose(part)?;
+        if self.search.exchange_special_cases(&self.chosen, part) {
+            self.choose(part)?;
+        }
         if self.fits {
             self.search.exchange_imitators(&self.chosen, part.part(IMITATORS_SPAN));
             self.choose(part)?;

@@ -109,6 +109,11 @@ pub fn are_nested(one: &dyn Effect, other: &dyn Effect) -> bool {
     one.id() != other.id() && (within(one, other) || within(other, one))
 }
 
+/// Whether an effect is a special case of another, as a flexible mode is backlash without a gap.
+pub fn is_special_case(special: &dyn Effect, general: &dyn Effect) -> bool {
+    special.parameters().len() < general.parameters().len() && are_nested(special, general)
+}
+
 /// The axis made of a plant and effects, with derivatives. Each parameter of an effect is an
 /// independent variable, in order from lane `first_lane` on. [`Effect::enter`] explains
 /// `run_share`.

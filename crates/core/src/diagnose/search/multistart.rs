@@ -86,10 +86,8 @@ impl Search<'_> {
         let Some(model) = self.models.get(chosen) else { return false };
         let mut starts = Vec::new();
         for (index, effect) in model.effects().iter().enumerate() {
-            let is_special = |other: &&&'static dyn Effect| {
-                let fewer = other.parameters().len() < effect.parameters().len();
-                fewer && effects::are_nested(*effect, **other)
-            };
+            let is_special =
+                |other: &&&'static dyn Effect| effects::is_special_case(**other, *effect);
             for special in self.session.library().iter().filter(is_special) {
                 let [start, _] = self.session.exchange((model, index), *special);
                 starts.extend(self.models.get(&key(&start)).is_none().then_some(start));

@@ -12,7 +12,7 @@
 
 use super::causes::{convincing, rivals};
 use super::models::{Key, Models};
-use crate::effects::{are_closest_imitators, are_nested};
+use crate::effects::{are_closest_imitators, is_special_case};
 
 /// ln(p/(1 − p)) of an effect without which the best model leaves as much.
 const INTERCEPT: f64 = -6.5;
@@ -106,9 +106,7 @@ impl Standing<'_> {
     fn is_same(&self, id: &'static str, imitator: &'static str, with_imitator: &Key) -> bool {
         let Self { models, chosen } = self;
         let effects = models.effect(id).zip(models.effect(imitator));
-        let contains = effects.is_some_and(|(own, other)| {
-            are_nested(own, other) && own.parameters().len() < other.parameters().len()
-        });
+        let contains = effects.is_some_and(|(own, other)| is_special_case(own, other));
         let misfit = |key| models.criterion(key) - models.complexity(key);
         contains && misfit(chosen) - misfit(with_imitator) < CHANCE_GAIN
     }

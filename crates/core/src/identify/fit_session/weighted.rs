@@ -127,14 +127,19 @@ mod tests {
     use crate::identify::summary::Intervals;
     use crate::observer::Silent;
 
+    /// Requests of one order, with the weights of the noise and with equal ones.
+    fn requests(actuator_order: u8) -> [IdentifyRequest; 2] {
+        let plant = Some(PlantRequest { actuator_order });
+        let by_noise = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        let options = IdentifyOptions { weights: Weighting::Response, ..by_noise.options };
+        [by_noise, IdentifyRequest { options, ..by_noise }]
+    }
+
     // Both are refined thoroughly.
     #[test]
     fn a_fit_with_other_weights_starts_from_the_known_fits_and_is_as_good_as_one_without_them() {
         let measurement = stepped_sine(&axis(ACTUATORS[2]), 3);
-        let plant = Some(PlantRequest { actuator_order: 1 });
-        let by_noise = IdentifyRequest { plant, ..IdentifyRequest::default() };
-        let options = IdentifyOptions { weights: Weighting::Response, ..by_noise.options };
-        let equal = IdentifyRequest { options, ..by_noise };
+        let [by_noise, equal] = requests(1);
         let first = FitSession::new(&measurement, &by_noise, &Silent).unwrap();
         let known = first.weighted_as(&equal, &Silent).unwrap();
         let anew = FitSession::new(&measurement, &equal, &Silent).unwrap();
@@ -150,10 +155,7 @@ mod tests {
     #[test]
     fn an_answer_found_with_equal_weights_is_fitted_again_as_well_as_with_those_of_the_noise() {
         let measurement = stepped_sine(&axis(ACTUATORS[1]), 3);
-        let plant = Some(PlantRequest { actuator_order: 0 });
-        let by_noise = IdentifyRequest { plant, ..IdentifyRequest::default() };
-        let options = IdentifyOptions { weights: Weighting::Response, ..by_noise.options };
-        let equal = IdentifyRequest { options, ..by_noise };
+        let [by_noise, equal] = requests(0);
         let first = FitSession::new(&measurement, &by_noise, &Silent).unwrap();
         let drag = find("quadratic_drag").unwrap();
         let with = |session: &FitSession<'_>| {

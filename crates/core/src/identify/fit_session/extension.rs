@@ -94,3 +94,34 @@ impl FitSession<'_> {
         Model { coordinates, point, cost: f64::NAN, evaluations: 0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+    use crate::identify::fixtures::{ACTUATORS, axis, stepped_sine};
+    use crate::identify::request::IdentifyRequest;
+    use crate::observer::Silent;
+
+    #[test]
+    fn an_effect_in_the_place_of_any_other_keeps_the_parameters_that_both_have() {
+        let measurement = stepped_sine(&axis(ACTUATORS[0]), 3);
+        let request = IdentifyRequest::default();
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        let [play, joint, drag] =
+            ["backlash", "flexible_mode", "quadratic_drag"].map(|id| find(id).unwrap());
+        let values = |model: &Model, index: usize| -> Vec<f64> {
+            model.parameters_of(index).map(|parameter| model.value(parameter)).collect()
+        };
+        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
+        let mut pair = session.extend(&session.extend(session.base(), play), drag);
+        let places = session.start_points(play);
+        pair.parameters_of(0).zip(&places[0]).for_each(|(i, value)| pair.set(i, *value));
+        let [first, _] = session.exchange((&pair, 0), joint);
+        assert!(near(&values(&first, 1), &places[0][..3]), "{:?}", values(&first, 1));
+        assert!(near(&values(&first, 0), &values(&pair, 1)), "the drag is as it was");
+        let [_, lowest] = session.exchange((&first, 1), play);
+        let gap = session.ranges(play)[3].likely[0];
+        assert!(near(&values(&lowest, 1), &[&places[0][..3], &[gap]].concat()));
+    }
+}

@@ -11,7 +11,7 @@ use crate::identify::{FitSession, IdentifyRequest};
 use super::order_selection;
 use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::faults::{readings, wrong_gain};
-use crate::diagnose::progress::Part;
+use crate::diagnose::progress::{Part, Quiet};
 
 /// Largest χ² per degree of freedom of a model that is limited by the noise. Above it the residuals
 /// are more than four times as large as the noise. Tuned.
@@ -104,7 +104,7 @@ fn choose_weighting(
         return Err(halt);
     }
     let equal_weights = equal_weights(FIRST_WEIGHTING_SPAN)?;
-    let again = first.fitted_again(best(&equal_weights), &fitting)?;
+    let again = first.fitted_again(best(&equal_weights), &Quiet(&part))?;
     let most = WORTH_NOISE_WEIGHTS_CHI2_PER_DATUM * first.data() as f64;
     let is_near = again.is_some_and(|model| model.cost <= most);
     let by_noise = if is_near { Some(by_noise(SECOND_WEIGHTING_SPAN)?) } else { None };

@@ -111,6 +111,8 @@ pub struct Scope {
     pub omega_low: f64,
     /// Highest such frequency, rad/s.
     pub omega_high: f64,
+    /// Whether an input has several lines, so that a resonance may serve a few of them and nothing else.
+    pub has_spectra: bool,
     /// Smallest peak input at which the axis moved, input units.
     pub moving_level: f64,
     /// Largest peak input, input units.

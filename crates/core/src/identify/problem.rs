@@ -148,6 +148,7 @@ impl Problem {
             plant: *plant,
             omega_low: self.prior.omega_low,
             omega_high: self.prior.omega_high,
+            has_spectra: self.experiments.iter().any(|e| !e.excitation.is_pure_cosine()),
             moving_level: self.prior.moving_level,
             largest_level: self.prior.largest_level,
             steepest_input: self.steepest_input,
@@ -236,6 +237,15 @@ mod tests {
         assert!(tied(&|k| k % 2 == 1));
         assert!(!tied(&|k| k < 2) && !tied(&|k| k > 0));
         assert!(!Problem::new(&multisine(&plant)).unwrap().tied_friction);
+    }
+
+    #[test]
+    fn a_multisine_has_a_spectrum_and_a_stepped_sine_has_none() {
+        let axis = axis(ACTUATORS[0]);
+        let has_spectra =
+            |measurement: &Measurement| Problem::new(measurement).unwrap().scope(&axis).has_spectra;
+        assert!(has_spectra(&multisine(&axis)));
+        assert!(!has_spectra(&stepped_sine(&axis, 3)));
     }
 
     // 4096 samples of at most 40 cycles miss an extreme by a few thousandths at most.

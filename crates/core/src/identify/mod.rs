@@ -94,6 +94,10 @@ pub fn identify(
         solve(measurement, &problem, request, (None, &[]), observer)?;
     let (coordinates, weights) = (&chosen.coordinates, &chosen.weights);
     let misfit = Misfit::new(&problem, coordinates, weights, observer);
-    let answer = answer(measurement, &misfit, request, &chosen, order_choice, Intervals::Profile);
-    unless_cancelled(observer, answer)
+    let evaluation = misfit.evaluate(&chosen.point).map_err(|_| no_response());
+    let answer = |evaluation| {
+        let fitted = (&chosen, &evaluation);
+        answer(measurement, &misfit, request, fitted, order_choice, Intervals::Profile)
+    };
+    unless_cancelled(observer, evaluation.map(answer))
 }

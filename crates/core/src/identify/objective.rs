@@ -49,6 +49,14 @@ impl<'a> Misfit<'a> {
     }
 }
 
+/// A model at a point.
+pub(super) struct Evaluation {
+    /// Simulated value of every target, by experiment, in scale.
+    pub predicted: Vec<Vec<Complex>>,
+    /// The linearisation there.
+    pub here: Linearisation,
+}
+
 /// Why a point has no residuals: the model has no response to an experiment, or the observer has
 /// cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,6 +158,23 @@ impl<'a> Misfit<'a> {
 
     /// Residuals and their derivatives with respect to every coordinate.
     pub fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResiduals> {
+        Ok(self.linearised(point, &self.differentiated(point)?))
+    }
+
+    /// Predictions, residuals and their derivatives, from one simulation.
+    pub fn evaluate(&self, point: &[f64]) -> Result<Evaluation, NoResiduals> {
+        let responses = self.differentiated(point)?;
+        let experiments = self.problem.experiments.iter().zip(&responses);
+        let predict = |(experiment, response): (&Prepared, &Response)| {
+            let targets = experiment.targets.iter();
+            targets.map(|target| response.velocity[target.order] * target.per_velocity).collect()
+        };
+        let predicted = experiments.map(predict).collect();
+        Ok(Evaluation { predicted, here: self.linearised(point, &responses) })
+    }
+
+    /// The response to every experiment, with its sensitivities.
+    fn differentiated(&self, point: &[f64]) -> Result<Vec<Response>, NoResiduals> {
         let plant = self.coordinates.variable_plant(point);
         let effects = self.coordinates.effects_at(point);
         let (base, columns) = (self.coordinates.base_len(), self.coordinates.len());
@@ -159,7 +184,7 @@ impl<'a> Misfit<'a> {
             }
             experiment.respond_with_sensitivities(self.counts_of(e), (&plant, base), &effects)
         };
-        let responses = self.map_experiments(respond, |e| {
+        self.map_experiments(respond, |e| {
             let targets = &self.problem.experiments[e].targets;
             let zero = vec![Complex::ZERO; self.problem.experiments[e].highest + 1];
             let mut velocity = zero.clone();
@@ -167,14 +192,18 @@ impl<'a> Misfit<'a> {
                 velocity[target.order] = value / target.per_velocity;
             }
             Some(Response { velocity, sensitivities: vec![zero; columns] })
-        })?;
+        })
+    }
+
+    fn linearised(&self, point: &[f64], responses: &[Response]) -> Linearisation {
+        let columns = self.coordinates.len();
         let slopes: Vec<f64> =
             point.iter().enumerate().map(|(i, x)| self.coordinates.value(i, *x).1).collect();
         let mut residuals = DVector::zeros(self.problem.data());
         let mut jacobian = DMatrix::zeros(self.problem.data(), columns);
         let mut row = 0;
         for (e, (experiment, response)) in
-            self.problem.experiments.iter().zip(&responses).enumerate()
+            self.problem.experiments.iter().zip(responses).enumerate()
         {
             for (t, target) in experiment.targets.iter().enumerate() {
                 let k = target.order;
@@ -201,7 +230,7 @@ impl<'a> Misfit<'a> {
         for column in jacobian.as_mut_slice().chunks_exact_mut(residuals.len().max(1)) {
             unknown_jump::eliminate(&jumps, column);
         }
-        Ok(Linearisation { residuals, jacobian })
+        Linearisation { residuals, jacobian }
     }
 
     /// Sum of squared residuals; infinite where there is no response.

@@ -13,7 +13,7 @@ use crate::simulate::{Counts, NoResponse};
 
 use super::noise;
 use super::noise::{Beside, Weights};
-use super::problem::{Prepared, Problem, Scales};
+use super::problem::{Prepared, Problem, Scales, Target};
 use super::request::IdentifyError;
 use super::unknown_jump;
 
@@ -37,8 +37,8 @@ pub fn compare(
     let plant = problem.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, problem.scales)?;
     let weights = weights_of(measurement, &problem, answer)?;
-    let (dof, law) = (answer.fit.dof, (&plant, effects.as_slice()));
-    Ok(beside(measurement, (&problem, &[]), law, &weights, dof, |_| true))
+    let simulated = simulated(&problem, (&plant, &effects), |_| true);
+    Ok(beside(measurement, (&problem, &[]), simulated, &weights, answer.fit.dof))
 }
 
 /// The weights of a problem beside the model of a stored answer.
@@ -56,31 +56,41 @@ pub(super) fn weights_of(
     Ok(noise::weights(measurement, problem, options, Some(Beside { plant, effects })))
 }
 
-/// Compares the measured and simulated responses of the experiments that are `wanted`. The
-/// corrections are added to each simulated target of each experiment; without any, nothing is.
-/// Plant and effects are in the problem's units; `dof` are the degrees of freedom of the fit.
+/// Indices of experiments, with the simulated value of each target, in scale.
+pub(super) type Simulated = Vec<(usize, Result<Vec<Complex>, NoResponse>)>;
+
+/// Simulates the experiments that are `wanted` from rest. Plant and effects are in the problem's units.
+pub(super) fn simulated(
+    problem: &Problem,
+    (plant, effects): (&Plant, &[ActiveEffect]),
+    wanted: impl Fn(usize) -> bool,
+) -> Simulated {
+    let respond = |experiment: &Prepared| {
+        let velocity = experiment.respond(Counts::FromRest, plant, effects)?;
+        let of = |target: &Target| velocity[target.order] * target.per_velocity;
+        Ok(experiment.targets.iter().map(of).collect())
+    };
+    let all = problem.experiments.iter().enumerate();
+    let wanted: Vec<_> = all.filter(|(index, _)| wanted(*index)).collect();
+    wanted.into_par_iter().map(|(index, experiment)| (index, respond(experiment))).collect()
+}
+
+/// Compares measured responses with simulated ones. The corrections are added to each simulated target
+/// of each experiment; without any, nothing is. `dof` are the degrees of freedom of the fit.
 pub(super) fn beside(
     measurement: &Measurement,
     (problem, corrections): (&Problem, &[Vec<Complex>]),
-    (plant, effects): (&Plant, &[ActiveEffect]),
+    simulated: Simulated,
     weights: &Weights,
     dof: i64,
-    wanted: impl Fn(usize) -> bool,
 ) -> Comparison {
-    let all = problem.experiments.iter().enumerate();
-    let simulated: Vec<(usize, Result<Vec<Complex>, NoResponse>)> = all
-        .filter(|(index, _)| wanted(*index))
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|(i, e)| (i, e.respond(Counts::FromRest, plant, effects)))
-        .collect();
     let mut experiments = Vec::new();
     let mut unanswered = Vec::new();
     for (index, response) in simulated {
         let (experiment, prepared) =
             (&measurement.experiments()[index], &problem.experiments[index]);
         match response {
-            Ok(velocity) => experiments.push(ComparedExperiment {
+            Ok(simulated) => experiments.push(ComparedExperiment {
                 experiment: index,
                 magnitude: experiment.magnitude,
                 omega_rad_s: experiment.omega_rad_s,
@@ -88,7 +98,7 @@ pub(super) fn beside(
                 harmonics: harmonics(
                     experiment,
                     (prepared, corrections.get(index).map_or(&[], Vec::as_slice)),
-                    &velocity,
+                    &simulated,
                     &weights.sigma[index],
                     problem.response_scale,
                 ),
@@ -126,17 +136,12 @@ pub(super) fn beside(
 fn harmonics(
     experiment: &Experiment,
     (prepared, corrections): (&Prepared, &[Complex]),
-    velocity: &[Complex],
+    alone: &[Complex],
     sigma: &[f64],
     response_scale: f64,
 ) -> Vec<ComparedHarmonic> {
     let pair = |z: Complex| [z.re, z.im];
-    let alone: Vec<Complex> = prepared
-        .targets
-        .iter()
-        .map(|target| velocity[target.order] * target.per_velocity)
-        .collect();
-    let jumps = unknown_jump::added(prepared, sigma, &alone);
+    let jumps = unknown_jump::added(prepared, sigma, alone);
     let targets = prepared.targets.iter().zip(sigma).enumerate();
     targets
         .filter(|(_, (target, _))| !target.constraint)

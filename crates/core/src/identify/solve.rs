@@ -6,10 +6,10 @@ use crate::observer::Observer;
 
 use super::history::History;
 use super::noise::Weights;
-use super::objective::Misfit;
+use super::objective::{Evaluation, Misfit};
 use super::pipeline::{Fitted, Run};
 use super::problem::Problem;
-use super::request::{IdentifyError, IdentifyRequest, no_response};
+use super::request::{IdentifyError, IdentifyRequest};
 use super::summary::Intervals;
 use super::{limitations, order, summary};
 
@@ -66,25 +66,22 @@ pub(super) fn solve(
     Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice, fits })
 }
 
-/// The answer that reports a fit.
-///
-/// # Errors
-/// When the fitted plant has no response.
+/// The answer that reports a fit, of whose point this is the evaluation.
 pub(super) fn answer(
     measurement: &Measurement,
     misfit: &Misfit<'_>,
     request: &IdentifyRequest,
-    fitted: &Fitted,
+    (fitted, evaluation): (&Fitted, &Evaluation),
     order_choice: Option<OrderChoice>,
     intervals: Intervals,
-) -> Result<Identification, IdentifyError> {
+) -> Identification {
     let IdentifyRequest { plant, method, options, search, .. } = request;
     let Misfit { problem, weights, .. } = misfit;
-    let summary = summary::summarise(measurement, misfit, fitted, intervals, search)
-        .ok_or_else(no_response)?;
+    let summary =
+        summary::summarise(measurement, misfit, (fitted, evaluation), intervals, search);
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
-    Ok(Identification {
+    Identification {
         method: *method,
         seed: options.seed,
         noise: weights.source,
@@ -103,5 +100,5 @@ pub(super) fn answer(
             options: *options,
             actuator_order: plant.map(|plant| plant.actuator_order),
         },
-    })
+    }
 }

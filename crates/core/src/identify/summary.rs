@@ -4,11 +4,11 @@ use indexmap::IndexMap;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use crate::answers::{Correlations, Fit, ParameterEstimate, TransferFunction};
-use crate::measurement::Measurement;
+use crate::measurement::{Complex, Measurement};
 use crate::plant::{Actuator, Plant};
 
 use super::estimates::Estimates;
-use super::objective::Misfit;
+use super::objective::{Evaluation, Misfit};
 use super::parameters::Coordinate;
 use super::pipeline::Fitted;
 use super::problem::Problem;
@@ -46,27 +46,26 @@ pub enum Intervals {
     Profile,
 }
 
-/// Summarises a fitted point; `None` if it has no response.
+/// Summarises a fitted point, of which this is the evaluation.
 pub(super) fn summarise(
     measurement: &Measurement,
     misfit: &Misfit<'_>,
-    fitted: &Fitted,
+    (fitted, Evaluation { predicted, here }): (&Fitted, &Evaluation),
     intervals: Intervals,
     search: &SearchSettings,
-) -> Option<Summary> {
+) -> Summary {
     let problem = misfit.problem;
-    let here = misfit.linearise(&fitted.point).ok()?;
-    let held = refine::held(misfit, &fitted.point, &here);
+    let held = refine::held(misfit, &fitted.point, here);
     let fitted_count = held.iter().filter(|held| !**held).count();
     // With fewer data than parameters, no degrees of freedom are left.
     let estimated = fitted_count + problem.unknown_jumps();
     let dof = problem.data().saturating_sub(estimated) as i64;
-    let fit = goodness(problem, fitted, misfit, dof)?;
+    let fit = goodness(problem, fitted, predicted, dof);
     let known = fitted.weights.known();
     // Without a degree of freedom the residuals are rounding errors, and say nothing of the noise.
     let residual_scale = if dof > 0 { (fitted.cost / dof as f64).sqrt() } else { f64::INFINITY };
     let scale = if known { fit.uncertainty_scale } else { residual_scale };
-    let with_prior = with_prior(&here, &fitted.coordinates, scale);
+    let with_prior = with_prior(here, &fitted.coordinates, scale);
     let uncertainty = Uncertainty::new(&with_prior, &held, scale);
     let released = Uncertainty::new(&with_prior, &vec![false; held.len()], scale);
     let quantile = quantile95(if known { fitted.weights.scale_dof } else { dof as f64 });
@@ -74,7 +73,7 @@ pub(super) fn summarise(
         Intervals::Curvature => None,
         Intervals::Profile => {
             let noise = [quantile, scale];
-            Profile::new(misfit, &fitted.point, &here, &uncertainty, noise, search)
+            Profile::new(misfit, &fitted.point, here, &uncertainty, noise, search)
         }
     };
     let reported = |i: usize| fitted.coordinates.list[i] != Coordinate::FcSplit;
@@ -91,12 +90,12 @@ pub(super) fn summarise(
         reaches: (0..held.len()).map(reaches).collect(),
     };
     let parameters = estimates.all(&plant, &units);
-    Some(Summary {
+    Summary {
         correlations: estimates.correlations(),
         parameters,
         fit,
         transfer_function: transfer_function(&plant),
-    })
+    }
 }
 
 /// Two-sided 95 % quantile of Student's t, or of the normal distribution if `dof` is large.
@@ -108,10 +107,9 @@ fn quantile95(dof: f64) -> f64 {
     }
 }
 
-/// The goodness of fit; `None` if the model has no response. All standard deviations are later
+/// The goodness of fit of these predictions. All standard deviations are later
 /// multiplied by `uncertainty_scale`: √(χ²/dof) if the model is not adequate, else 1.
-fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -> Option<Fit> {
-    let predicted = misfit.predict(&fitted.point).ok()?;
+fn goodness(problem: &Problem, fitted: &Fitted, predicted: &[Vec<Complex>], dof: i64) -> Fit {
     let (mut left, mut size, mut simulated, mut count) = (0.0, 0.0, 0.0, 0);
     for (e, experiment) in problem.experiments.iter().enumerate() {
         let jumps = unknown_jump::added(experiment, &fitted.weights.sigma[e], &predicted[e]);
@@ -143,7 +141,7 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
         (Some(false), Some(ratio)) => ratio.max(1.0).sqrt(),
         _ => 1.0,
     };
-    Some(Fit {
+    Fit {
         chi2,
         dof,
         chi2_per_dof,
@@ -154,7 +152,7 @@ fn goodness(problem: &Problem, fitted: &Fitted, misfit: &Misfit<'_>, dof: i64) -
         uncertainty_scale,
         unanswered: Vec::new(),
         noise_law: reported(&fitted.weights, problem),
-    })
+    }
 }
 
 /// G(s) = A(s)·K/(s + a) as polynomials and poles.
@@ -187,7 +185,6 @@ fn transfer_function(plant: &Plant) -> TransferFunction {
 mod tests {
     use super::super::fixtures::{ACTUATORS, axis};
     use super::*;
-    use crate::measurement::Complex;
 
     #[test]
     fn the_transfer_function_is_actuator_times_mechanics() {

@@ -3,14 +3,16 @@
 use super::{FitSession, Model};
 use crate::answers::Stage;
 use crate::identify::model_fit::{self, ModelFit};
+use crate::identify::objective::Evaluation;
 use crate::identify::parameter_names;
 use crate::identify::pipeline::Fitted;
-use crate::identify::prediction;
+use crate::identify::prediction::{self, Simulated};
 use crate::identify::refine;
 use crate::identify::request::{IdentifyError, no_response};
 use crate::identify::solve::answer;
 use crate::identify::summary::Intervals;
 use crate::identify::unknown_jump;
+use crate::measurement::Complex;
 
 impl FitSession<'_> {
     /// Everything needed to judge a fitted model. If it has no response from rest in some
@@ -28,29 +30,23 @@ impl FitSession<'_> {
 
     fn judge_whole(&self, model: &Model, intervals: Intervals) -> Result<ModelFit, IdentifyError> {
         let fitted = self.fitted(model);
-        let (coordinates, weights) = (&fitted.coordinates, &fitted.weights);
+        let weights = &fitted.weights;
         let misfit = self.misfit(model);
         let choice = self.order_choice.clone();
         let (measurement, request) = (self.measurement, self.request);
-        let mut identification = answer(measurement, &misfit, request, &fitted, choice, intervals)?;
-        let here = misfit.linearise(&model.point).map_err(|_| no_response())?;
+        let evaluation = misfit.evaluate(&model.point).map_err(|_| no_response())?;
+        let point = (&fitted, &evaluation);
+        let mut identification = answer(measurement, &misfit, request, point, choice, intervals);
+        let Evaluation { predicted, here } = evaluation;
         let held = refine::held(&misfit, &model.point, &here);
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();
-        let plant = coordinates.plant(&model.point);
-        let effects = coordinates.effects_at(&model.point);
         if self.observer.cancelled() {
             return Err(IdentifyError::Cancelled);
         }
         let dof = identification.fit.dof;
-        let all = |_| true;
-        let comparison = prediction::beside(
-            self.measurement,
-            (&self.problem, &[]),
-            (&plant, &effects),
-            weights,
-            dof,
-            all,
-        );
+        let simulated = self.simulated(model, predicted);
+        let comparison =
+            prediction::beside(self.measurement, (&self.problem, &[]), simulated, weights, dof);
         identification.fit.unanswered.clone_from(&comparison.unanswered);
         let sigma = match weights.known() {
             true => 1.0,
@@ -66,6 +62,19 @@ impl FitSession<'_> {
             noise: self.noise(),
             contradicts_noise: self.contradicted_noise(model, dof),
         })
+    }
+
+    /// What a model predicts of each experiment. Those without data, in which it has no response, are
+    /// simulated for the reason.
+    fn simulated(&self, model: &Model, predicted: Vec<Vec<Complex>>) -> Simulated {
+        let (plant, effects) =
+            (model.coordinates.plant(&model.point), model.coordinates.effects_at(&model.point));
+        let is_left_out = |e: usize| self.problem.experiments[e].targets.is_empty();
+        let mut simulated = prediction::simulated(&self.problem, (&plant, &effects), is_left_out);
+        let answered = predicted.into_iter().enumerate().filter(|(e, _)| !is_left_out(*e));
+        simulated.extend(answered.map(|(e, values)| (e, Ok(values))));
+        simulated.sort_by_key(|(e, _)| *e);
+        simulated
     }
 
     fn fitted(&self, model: &Model) -> Fitted {

@@ -99,7 +99,8 @@ impl<'a> FitSession<'a> {
             None => (&self.problem, Vec::new()),
         };
         let corrected = (problem, corrections.as_slice());
-        prediction::beside(self.measurement, corrected, (&law.0, &law.1), weights, dof, wanted)
+        let simulated = prediction::simulated(problem, (&law.0, &law.1), wanted);
+        prediction::beside(self.measurement, corrected, simulated, weights, dof)
     }
 }
 

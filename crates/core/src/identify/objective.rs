@@ -84,6 +84,14 @@ impl<'a> Misfit<'a> {
         self.map_experiments(predict, |e| self.stand_in.map(|values| values[e].clone()))
     }
 
+    /// A memory of the last motion of each experiment for the simulations of a fit, if others than those
+    /// from rest count.
+    pub fn new_motions(&self) -> Option<Vec<LastMotion>> {
+        let from_rest = matches!(self.counts, Counts::FromRest);
+        let each = || self.problem.experiments.iter().map(|_| LastMotion::default());
+        (!from_rest).then(|| each().collect())
+    }
+
     /// Which periodic motions of an experiment count.
     fn counts_of(&self, experiment: usize) -> Counts<'a> {
         self.motions.map_or(self.counts, |motions| Counts::Near(&motions[experiment]))

@@ -132,7 +132,9 @@ impl<'a> Profile<'a> {
     fn refit(&self, i: usize, value: f64, start: &[f64]) -> (Vec<f64>, f64) {
         let mut coordinates = self.misfit.coordinates.clone();
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
-        let misfit = Misfit { coordinates: &coordinates, ..*self.misfit };
+        let motions = self.misfit.new_motions();
+        let misfit =
+            Misfit { coordinates: &coordinates, motions: motions.as_deref(), ..*self.misfit };
         let patience = Patience {
             cost_tolerance: self.search.settle_tolerance,
             negligible: self.rise,

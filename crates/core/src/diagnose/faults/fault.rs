@@ -107,9 +107,9 @@ pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOu
     }
 }
 
-/// Most faults that are accepted together, all rows counted as one. With prior odds of one in twenty
-/// each, three at once are less likely than an effect that the library lacks, which many faults
-/// beside effects of the library can follow to within noise.
+/// Most faults that are accepted together, all rows counted as one; beside effects, one less. With prior
+/// odds of one in twenty each, three faults or effects at once, faults among them, are less likely than an
+/// effect that the library lacks, which they can follow to within noise.
 const MOST_ACCEPTED: usize = 2;
 
 /// Whether a fault is found without a model of the machine, or whatever that is.
@@ -122,9 +122,14 @@ pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
     }
 }
 
-/// Whether there are more faults than [`MOST_ACCEPTED`] beside those that are certain.
-pub(super) fn are_too_many(faults: &[MeasurementFault]) -> bool {
-    faults.iter().filter(|fault| !is_certain(fault)).count() > MOST_ACCEPTED
+/// Whether there are more faults than [`MOST_ACCEPTED`] beside those that are certain and, if effects
+/// are named, a `std` wrong by a factor, which follows nothing.
+pub(super) fn are_too_many(faults: &[MeasurementFault], beside_effects: bool) -> bool {
+    let is_free = |fault: &MeasurementFault| {
+        is_certain(fault) || beside_effects && fault.fault == FaultKind::StdFactor
+    };
+    let counted = faults.iter().filter(|fault| !is_free(fault)).count();
+    counted > MOST_ACCEPTED - usize::from(beside_effects)
 }
 
 #[cfg(test)]
@@ -137,8 +142,19 @@ mod tests {
             kinds.iter().map(|kind| MeasurementFault::of(*kind)).collect()
         };
         let [gain, phase] = [FaultKind::LevelGain, FaultKind::LevelPhase];
-        assert!(!are_too_many(&of(&[gain, phase])));
-        assert!(are_too_many(&of(&[gain, phase, FaultKind::StdFactor])));
-        assert!(!are_too_many(&of(&[gain, phase, FaultKind::Conjugated])));
+        assert!(!are_too_many(&of(&[gain, phase]), false));
+        assert!(are_too_many(&of(&[gain, phase, FaultKind::StdFactor]), false));
+        assert!(!are_too_many(&of(&[gain, phase, FaultKind::Conjugated]), false));
+    }
+
+    #[test]
+    fn beside_effects_two_faults_are_too_many_unless_one_of_them_is_the_size_of_the_noise() {
+        let of = |kinds: &[FaultKind]| -> Vec<MeasurementFault> {
+            kinds.iter().map(|kind| MeasurementFault::of(*kind)).collect()
+        };
+        let [gain, phase] = [FaultKind::LevelGain, FaultKind::LevelPhase];
+        assert!(are_too_many(&of(&[gain, phase]), true));
+        assert!(!are_too_many(&of(&[gain, FaultKind::StdFactor]), true));
+        assert!(!are_too_many(&of(&[gain]), true));
     }
 }

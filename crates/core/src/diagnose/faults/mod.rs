@@ -124,7 +124,8 @@ pub(super) fn diagnose(
                     faults = kept;
                     continue;
                 }
-                if are_too_many(&faults) || row_regions::form_regions(&answer, measurement, &faults)
+                if are_too_many(&faults, !answer.causes.is_empty())
+                    || row_regions::form_regions(&answer, measurement, &faults)
                 {
                     break;
                 }

@@ -12,6 +12,7 @@ use super::fitter::Fitter;
 use super::linearization::Linearization;
 use super::score_tests::Probed;
 use crate::diagnose::progress::{Part, Remaining};
+use crate::diagnose::selection::evidence::CHANCE_GAIN;
 use crate::diagnose::selection::models::{Key, key};
 use crate::identify::{FitAccuracy, Model};
 
@@ -81,26 +82,40 @@ impl Search<'_> {
 
     /// Fits the models with a special case of an effect in its place, such as a flexible mode for
     /// backlash, where the search has not, and those without each of its effects: the gap that was
-    /// found may be none. Returns whether there was any.
-    pub fn exchange_special_cases(&mut self, chosen: &Key, part: Part<'_>) -> bool {
+    /// found may be none. Likewise with what an effect is a special case of, if the first steps of a
+    /// fit gain more than chance does: a gap that was not looked for may be there. Returns whether
+    /// there was any.
+    pub fn exchange_nested(&mut self, chosen: &Key, part: Part<'_>) -> bool {
         let Some(model) = self.models.get(chosen) else { return false };
         let mut starts = Vec::new();
         for (index, effect) in model.effects().iter().enumerate() {
-            let is_special =
-                |other: &&&'static dyn Effect| effects::is_special_case(**other, *effect);
-            for special in self.session.library().iter().filter(is_special) {
-                let [start, _] = self.session.exchange((model, index), *special);
+            let rest = self.session.reduce(model, index);
+            let is_nested = |other: &&&'static dyn Effect| {
+                effects::are_nested(**other, *effect) && self.session.can_decide(&rest, **other)
+            };
+            for other in self.session.library().iter().filter(is_nested) {
+                // A general case begins near the special one.
+                let [_, start] = self.session.exchange((model, index), *other);
                 starts.extend(self.models.get(&key(&start)).is_none().then_some(start));
             }
         }
         let fitter = self.fitter(part, chosen.len().saturating_sub(1));
-        let refit = |start| fitter.refine(start, FitAccuracy::Settle);
-        let fits = starts.par_iter().map(refit).collect();
+        let misfit = |model: &Model| self.models.noise_scale.misfit(model.cost);
+        let refit = |start: &Model| {
+            if start.parameters() < model.parameters() {
+                return Some(fitter.refine(start, FitAccuracy::Settle));
+            }
+            let general = fitter.refine(start, FitAccuracy::Glance);
+            let gains = misfit(model) - misfit(&general) > CHANCE_GAIN;
+            gains.then(|| fitter.refine(&general, FitAccuracy::Settle))
+        };
+        let fits: Vec<Model> = starts.par_iter().filter_map(refit).collect();
+        let found: Vec<Key> = fits.iter().map(key).collect();
         self.keep(fits);
-        for start in &starts {
-            self.shrink(&key(start), part);
+        for found in &found {
+            self.shrink(found, part);
         }
-        !starts.is_empty()
+        !found.is_empty()
     }
 
     /// Starts the fit of a model again from displaced parameters of its last effect until it is
@@ -156,12 +171,27 @@ mod tests {
         let pair = session.refine(&pair, FitAccuracy::Glance);
         let chosen = key(&pair);
         search.keep(vec![pair]);
-        assert!(search.exchange_special_cases(&chosen, PART));
-        assert!(!search.exchange_special_cases(&chosen, PART), "all are fitted");
+        assert!(search.exchange_nested(&chosen, PART));
+        assert!(!search.exchange_nested(&chosen, PART), "all are fitted");
         assert!(search.models.ranked(2).contains(&vec!["flexible_mode", "quadratic_drag"]));
         for id in ["flexible_mode", "quadratic_drag"] {
             assert!(search.models.ranked(1).contains(&vec![id]), "{id} alone");
         }
+    }
+
+    #[test]
+    fn backlash_is_fitted_in_place_of_the_flexible_mode_of_a_pair() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let mut search = nothing_fitted(session);
+        let both = ["quadratic_drag", "flexible_mode"].map(|id| find(id).unwrap());
+        let extend = |model, effect| session.extend(&model, effect);
+        let pair = both.into_iter().fold(session.base().clone(), extend);
+        let pair = session.refine(&pair, FitAccuracy::Glance);
+        let chosen = key(&pair);
+        search.keep(vec![pair]);
+        assert!(search.exchange_nested(&chosen, PART));
+        assert!(search.models.ranked(2).contains(&vec!["backlash", "quadratic_drag"]));
     }
 
     // The pair was found without a lag ever being tried beside the drag.

@@ -11,6 +11,7 @@
 //! The logistic function was fitted to draws of the benchmark; docs/decisions.md says how.
 
 use super::causes::{convincing, rivals};
+use super::evidence::CHANCE_GAIN;
 use super::models::{Key, Models};
 use crate::effects::{are_closest_imitators, is_special_case};
 
@@ -25,9 +26,6 @@ const LEAST: f64 = 0.19;
 
 /// Of two imitators, the odds are the ratio of what they leave, to this power.
 const IMITATOR_POWER: f64 = 6.0;
-
-/// By how much one parameter that means nothing lowers the misfit on average.
-const CHANCE_GAIN: f64 = 1.0;
 
 /// How far the effects of a model stand out among the fitted models.
 pub(crate) struct Standing<'a> {

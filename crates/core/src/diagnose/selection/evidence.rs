@@ -22,6 +22,9 @@ const EFFECT_COST: f64 = 6.0;
 /// the model that has it, and is taken to be as likely to show as not.
 const LEAST_PARAMETER_COST: f64 = 2.0 * std::f64::consts::LN_2;
 
+/// By how much one parameter that means nothing lowers the misfit on average.
+pub(crate) const CHANCE_GAIN: f64 = 1.0;
+
 /// Prior standard deviation of the size of an effect, as a multiple of the fitted size: sizes
 /// differ by orders of magnitude between machines, so that no fixed range would be fair to all.
 /// Tuned.

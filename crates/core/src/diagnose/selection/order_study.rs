@@ -111,7 +111,7 @@ impl<'a> OrderStudy<'a> {
         self.choose(part)?;
         self.search.deepen(&self.chosen, part.part(MULTISTART_SPAN));
         self.choose(part)?;
-        if self.search.exchange_special_cases(&self.chosen, part) {
+        if self.search.exchange_nested(&self.chosen, part) {
             self.choose(part)?;
         }
         if self.fits {

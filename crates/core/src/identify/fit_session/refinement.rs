@@ -3,7 +3,6 @@
 use super::{FitSession, Model};
 use crate::identify::objective::Misfit;
 use crate::identify::refine::{self, Patience};
-use crate::simulate::{Counts, LastMotion};
 
 /// How accurate a fit has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,13 +49,6 @@ impl FitSession<'_> {
         Patience { steps, cost_tolerance, negligible, ..refine::THOROUGH }
     }
 
-    /// A memory of the last motion of each experiment, if others than those from rest count.
-    pub(super) fn motions(&self, misfit: &Misfit<'_>) -> Option<Vec<LastMotion>> {
-        let from_rest = matches!(misfit.counts, Counts::FromRest);
-        let each = || misfit.problem.experiments.iter().map(|_| LastMotion::default());
-        (!from_rest).then(|| each().collect())
-    }
-
     /// Fits a model by this misfit. Each simulation starts from the motion of the one before, unless
     /// only motions from rest count.
     pub(super) fn descend_by(
@@ -66,7 +58,7 @@ impl FitSession<'_> {
         patience: Patience,
         on_step: &dyn Fn(),
     ) -> Model {
-        let motions = self.motions(misfit);
+        let motions = misfit.new_motions();
         let misfit = Misfit { motions: motions.as_deref(), ..*misfit };
         model.refined(refine::refine(&misfit, &model.point, patience, &mut |_, _, _| on_step()))
     }

@@ -56,7 +56,7 @@ impl<'a> FitSession<'a> {
             Patience { linear_within: LINEAR_WITHIN, ..self.patience(FitAccuracy::Settle) };
         let here = model.only(|e, order| !held(e, order));
         let misfit = self.search_misfit(from);
-        let motions = self.motions(&misfit);
+        let motions = misfit.new_motions();
         let misfit = Misfit { motions: motions.as_deref(), ..misfit };
         let start = (from.point.clone(), here);
         let refined = refine::refine_from(&misfit, start, patience, &mut |_, _, _| on_step());

@@ -30,7 +30,9 @@ impl Run<'_> {
         } else if *network && self.options.network.enabled {
             self.network(misfit, found)?;
         }
-        if let Some(optimiser) = search.filter(|search| search.is_enabled(self.options)) {
+        let searches =
+            |search: &&dyn Optimiser| self.known.is_none() && search.is_enabled(self.options);
+        if let Some(optimiser) = search.filter(searches) {
             self.search(optimiser, misfit, found)?;
         }
         if found.starts.is_empty() {

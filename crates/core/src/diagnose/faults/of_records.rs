@@ -40,9 +40,13 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
             if !search.may_be_brought_down(&start) {
                 continue;
             }
-            let model = session.refine(&start, FitAccuracy::Settle);
-            let saves = model.effects().len() < search.effects;
+            let saves = start.effects().len() < search.effects;
             let price = course::ONE_OF_THREE + if saves { 0.0 } else { course::SAVES_NONE };
+            let glanced = session.refine(&start, FitAccuracy::Glance);
+            if search.is_beaten(&session, &glanced, price) {
+                continue;
+            }
+            let model = session.refine(&glanced, FitAccuracy::Settle);
             search.consider(&session, &model, &[MeasurementFault::of(kind)], price);
         }
     }
@@ -153,12 +157,26 @@ impl<'a> Search<'a> {
 
     /// Fits a model beside that of these faults which explains most.
     fn fit_beside(&mut self, start: &Model, faults: &[impl OneNumber]) {
+        if faults.is_empty() {
+            return;
+        }
         let suspects = self.suspects;
         let complexity =
             evidence::complexity(suspects.session, start, &suspects.models.noise_scale);
         if let Some(found) = beside::best(suspects, start, self.least - complexity, faults) {
             self.consider(&found.session, &found.model, &[found.fault], found.price);
         }
+    }
+
+    fn criterion(&self, session: &FitSession<'_>, model: &Model, price: f64) -> f64 {
+        let complexity = evidence::complexity(session, model, &self.suspects.models.noise_scale);
+        self.suspects.misfit_of_noise(model.cost) + complexity + price
+    }
+
+    /// Whether a model with a fault is so far from the best after its first steps that the rest of its fit
+    /// would be in vain: a fault that is there changes the response a little, and those steps follow it.
+    fn is_beaten(&self, session: &FitSession<'_>, glanced: &Model, price: f64) -> bool {
+        self.criterion(session, glanced, price) > self.least + CLEARLY_BETTER
     }
 
     /// Keeps a model with a fault if it is better than what was found before.
@@ -170,13 +188,13 @@ impl<'a> Search<'a> {
         price: f64,
     ) {
         let suspects = self.suspects;
-        let complexity = evidence::complexity(session, fitted, &suspects.models.noise_scale);
-        let criterion = |model: &Model| suspects.misfit_of_noise(model.cost) + complexity + price;
-        if criterion(fitted) >= self.least {
+        let coarse = self.criterion(session, fitted, price);
+        if coarse >= self.least {
             return;
         }
         let model = session.verified(fitted);
-        let criterion = criterion(&model);
+        let misfit = |model: &Model| suspects.misfit_of_noise(model.cost);
+        let criterion = coarse - misfit(fitted) + misfit(&model);
         if criterion >= self.least {
             return;
         }

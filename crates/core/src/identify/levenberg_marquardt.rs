@@ -2,15 +2,17 @@
 //!
 //! Levenberg's damping with Marquardt's scaling (1963, doi:10.1137/0111030) by the largest
 //! curvature so far (Moré 1978, doi:10.1007/BFb0067700). Coordinates on a bound that the gradient
-//! pushes outwards are held; steps are cut at the bounds.
+//! pushes outwards are held; steps are cut at the bounds. Where a fit takes many steps, it follows a
+//! curved valley, and a step that was rejected is bent by the curvature that it showed (after Transtrum
+//! and Sethna's geodesic acceleration 2012, arXiv:1201.5885).
 
 mod damped_step;
 mod least_squares;
 
 use nalgebra::DVector;
 
-use damped_step::damped_step;
 pub(super) use damped_step::held;
+use damped_step::{DampedSystem, bent};
 pub(super) use least_squares::{LeastSquares, Linearisation};
 
 /// When a refinement ends.
@@ -43,6 +45,9 @@ const STEP_TOLERANCE: f64 = 1e-11;
 /// linearised residuals say nothing, so that their prediction for the next, shorter step is not
 /// trusted (tuned).
 const PREDICTABLE_GROWTH: f64 = 2.0;
+
+/// Steps after which rejected trials are bent (tuned). Most fits end before.
+const STRAIGHT_STEPS: usize = 6;
 
 /// Decreases of a cost by less than this share are lost in the rounding of their prediction.
 const LEAST_PREDICTED_SHARE: f64 = 1e-12;
@@ -114,7 +119,8 @@ pub(super) fn minimise_from<P: LeastSquares>(
         let mut rejected = 0;
         let mut last_cost = cost;
         while damping < 1e15 {
-            let trial = damped_step(problem, &point, &gradient, &curvature, &scaling, damping);
+            let system = DampedSystem { curvature: &curvature, scaling: &scaling, damping };
+            let trial = system.step(problem, &point, &gradient);
             let shift = DVector::from_fn(point.len(), |i, _| trial[i] - point[i]);
             let moved = shift.amax();
             if moved <= f64::EPSILON {
@@ -137,16 +143,35 @@ pub(super) fn minimise_from<P: LeastSquares>(
                 };
             }
             evaluations += 1;
-            let (trial_cost, ahead) = if eager && rejected == 0 {
+            let (residuals, ahead) = if eager && rejected == 0 {
                 let there = problem.linearise(&trial).ok();
-                (there.as_ref().map_or(f64::INFINITY, |t| t.residuals.norm_squared()), there)
+                (there.as_ref().map(|there| there.residuals.clone()), there)
             } else {
-                (problem.cost(&trial), None)
+                (problem.residuals(&trial).ok(), None)
             };
+            let cost_of = |residuals: Option<&DVector<f64>>| {
+                residuals.map_or(f64::INFINITY, DVector::norm_squared)
+            };
+            let trial_cost = cost_of(residuals.as_ref());
             if trial_cost < cost {
                 accepted = Some((trial, trial_cost, moved, ahead, predicted));
                 damping = (damping * 0.1).max(1e-12);
                 break;
+            }
+            let bends = rejected == 0 && step > STRAIGHT_STEPS && !spent(evaluations);
+            let beyond = residuals.filter(|_| bends).and_then(|there| {
+                let unforeseen = there - &here.residuals - &here.jacobian * &shift;
+                bent(problem, &system, (&trial, &shift), &here.jacobian.tr_mul(&unforeseen))
+            });
+            if let Some(trial) = beyond {
+                evaluations += 1;
+                let trial_cost = cost_of(problem.residuals(&trial).ok().as_ref());
+                if trial_cost < cost {
+                    accepted = Some((trial, trial_cost, moved, None, predicted));
+                    damping = (damping * 0.1).max(1e-12);
+                    rejected += 1;
+                    break;
+                }
             }
             rejected += 1;
             last_cost = trial_cost;

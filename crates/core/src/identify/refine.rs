@@ -1,5 +1,7 @@
 //! Refinement of a misfit's coordinates by Levenberg and Marquardt's method.
 
+use nalgebra::DVector;
+
 use super::levenberg_marquardt::{self, FIRST_DAMPING, LeastSquares, Linearisation};
 use super::objective::{Misfit, NoResiduals};
 
@@ -21,8 +23,8 @@ pub(super) const THOROUGH: Patience = Patience {
 impl LeastSquares for Misfit<'_> {
     type Error = NoResiduals;
 
-    fn cost(&self, point: &[f64]) -> f64 {
-        Misfit::cost(self, point)
+    fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResiduals> {
+        Misfit::residuals(self, point)
     }
 
     fn linearise(&self, point: &[f64]) -> Result<Linearisation, NoResiduals> {

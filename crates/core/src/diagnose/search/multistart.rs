@@ -132,13 +132,17 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use crate::answers::PlantRequest;
+    use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::diagnose::search::linearization::Linearization;
     use crate::diagnose::search::tests::{PART, nothing_fitted};
     use crate::diagnose::selection::models::key;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::find;
-    use crate::identify::{FitAccuracy, FitSession};
+    use crate::identify::{FitAccuracy, FitSession, IdentifyRequest};
     use crate::machines::draw::NoiseStatement;
+    use crate::machines::simulator::Effect;
+    use crate::measurement::Measurement;
     use crate::observer::Silent;
 
     #[test]
@@ -180,18 +184,25 @@ mod tests {
     }
 
     #[test]
-    fn backlash_is_fitted_in_place_of_the_flexible_mode_of_a_pair() {
-        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 4), request());
-        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
-        let mut search = nothing_fitted(session);
-        let both = ["quadratic_drag", "flexible_mode"].map(|id| find(id).unwrap());
-        let extend = |model, effect| session.extend(&model, effect);
-        let pair = both.into_iter().fold(session.base().clone(), extend);
-        let pair = session.refine(&pair, FitAccuracy::Glance);
-        let chosen = key(&pair);
-        search.keep(vec![pair]);
-        assert!(search.exchange_nested(&chosen, PART));
-        assert!(search.models.ranked(2).contains(&vec!["backlash", "quadratic_drag"]));
+    fn a_spring_that_hardens_is_fitted_in_place_of_a_spring_where_it_gains_more_than_chance() {
+        let hardening = |cubic_stiffness: f64| {
+            let values = [("stiffness", 5.0), ("cubic_stiffness", cubic_stiffness)];
+            multisine_record(plant(), &[Effect::new("hardening_spring", values)], None, 5)
+        };
+        let exchanged = |measurement: &Measurement| {
+            let plant = Some(PlantRequest { actuator_order: 1 });
+            let request = IdentifyRequest { plant, ..request() };
+            let session = &FitSession::new(measurement, &request, &Silent).unwrap();
+            let mut search = nothing_fitted(session);
+            let spring = session.extend(session.base(), find("spring").unwrap());
+            let spring = session.refine(&spring, FitAccuracy::Settle);
+            let chosen = key(&spring);
+            search.keep(vec![spring]);
+            search.exchange_nested(&chosen, PART)
+                && search.models.ranked(1)[0] == vec!["hardening_spring"]
+        };
+        assert!(exchanged(&hardening(500.0)));
+        assert!(!exchanged(&hardening(0.0)));
     }
 
     // The pair was found without a lag ever being tried beside the drag.

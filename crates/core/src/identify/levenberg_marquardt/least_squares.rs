@@ -18,8 +18,8 @@ pub(in super::super) trait LeastSquares {
     /// Why a point has no residuals.
     type Error;
 
-    /// The sum of squares at a point; infinite where it has no residuals.
-    fn cost(&self, point: &[f64]) -> f64;
+    /// Residuals at a point.
+    fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, Self::Error>;
 
     /// Residuals and their derivatives at a point.
     fn linearise(&self, point: &[f64]) -> Result<Linearisation, Self::Error>;

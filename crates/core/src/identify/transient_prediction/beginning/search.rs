@@ -115,8 +115,8 @@ impl Search<'_> {
 impl LeastSquares for Search<'_> {
     type Error = NoResponse;
 
-    fn cost(&self, point: &[f64]) -> f64 {
-        self.sum(point).unwrap_or(f64::INFINITY)
+    fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResponse> {
+        Search::residuals(self, point)
     }
 
     /// Derivatives by differences.

@@ -97,7 +97,7 @@ pub fn identify(
     let evaluation = misfit.evaluate(&chosen.point).map_err(|_| no_response());
     let answer = |evaluation| {
         let fitted = (&chosen, &evaluation);
-        answer(measurement, [misfit, misfit], request, fitted, order_choice, Intervals::Profile)
+        answer(measurement, &misfit, request, fitted, order_choice, Intervals::Profile)
     };
     unless_cancelled(observer, evaluation.map(answer))
 }

@@ -66,11 +66,10 @@ pub(super) fn solve(
     Ok(Solved { chosen: Fitted { stages, ..chosen }, order_choice, fits })
 }
 
-/// The answer that reports a fit by its misfit, of whose point this is the evaluation. Profiles are those
-/// of the second misfit, which is the same near the point, but may be simulated on a coarser grid.
+/// The answer that reports a fit, of whose point this is the evaluation.
 pub(super) fn answer(
     measurement: &Measurement,
-    [misfit, profiled]: [Misfit<'_>; 2],
+    misfit: &Misfit<'_>,
     request: &IdentifyRequest,
     (fitted, evaluation): (&Fitted, &Evaluation),
     order_choice: Option<OrderChoice>,
@@ -78,13 +77,7 @@ pub(super) fn answer(
 ) -> Identification {
     let IdentifyRequest { plant, method, options, search, .. } = request;
     let Misfit { problem, weights, .. } = misfit;
-    let summary = summary::summarise(
-        measurement,
-        [misfit, profiled],
-        (fitted, evaluation),
-        intervals,
-        search,
-    );
+    let summary = summary::summarise(measurement, misfit, (fitted, evaluation), intervals, search);
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Identification {

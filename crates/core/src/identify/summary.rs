@@ -46,17 +46,16 @@ pub enum Intervals {
     Profile,
 }
 
-/// Summarises a fitted point by its misfit, of which this is the evaluation. Profiles are those of the
-/// second misfit, which is the same near the point.
+/// Summarises a fitted point, of which this is the evaluation.
 pub(super) fn summarise(
     measurement: &Measurement,
-    [misfit, profiled]: [Misfit<'_>; 2],
+    misfit: &Misfit<'_>,
     (fitted, Evaluation { predicted, here }): (&Fitted, &Evaluation),
     intervals: Intervals,
     search: &SearchSettings,
 ) -> Summary {
     let problem = misfit.problem;
-    let held = refine::held(&misfit, &fitted.point, here);
+    let held = refine::held(misfit, &fitted.point, here);
     let fitted_count = held.iter().filter(|held| !**held).count();
     // With fewer data than parameters, no degrees of freedom are left.
     let estimated = fitted_count + problem.unknown_jumps();
@@ -74,7 +73,7 @@ pub(super) fn summarise(
         Intervals::Curvature => None,
         Intervals::Profile => {
             let noise = [quantile, scale];
-            Profile::new(&profiled, &fitted.point, here, &uncertainty, noise, search)
+            Profile::new(misfit, &fitted.point, here, &uncertainty, noise, search)
         }
     };
     let reported = |i: usize| fitted.coordinates.list[i] != Coordinate::FcSplit;

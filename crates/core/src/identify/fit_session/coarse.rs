@@ -55,32 +55,16 @@ impl FitSession<'_> {
         let errors = std::iter::successors(Some(first), |error| Some(error * ratio));
         let Coarse { mut problem, stand_in } =
             errors.take_while(|error| *error > last).find_map(coarse)?;
-        self.match_data(&mut problem, [&stand_in, &self.stand_in]);
-        Some(Coarse { problem, stand_in })
-    }
-
-    /// The coarse problem with data that match this model, of which these are the predictions on the
-    /// fine one. `None` where there is no coarse problem, or no response on it.
-    pub(super) fn coarse_about(&self, model: &Model, fine: &[Vec<Complex>]) -> Option<Problem> {
-        let mut problem = self.coarse.as_ref()?.problem.clone();
-        let misfit = Misfit { problem: &problem, stand_in: None, ..self.misfit(model) };
-        let coarse = misfit.predict(&model.point).ok()?;
-        self.match_data(&mut problem, [&coarse, fine]);
-        Some(problem)
-    }
-
-    /// Shifts the data of a coarse problem so that the model with these predictions, coarse and fine, has
-    /// the same residuals on both.
-    fn match_data(&self, problem: &mut Problem, [coarse, fine]: [&[Vec<Complex>]; 2]) {
-        let measured = self.problem.experiments.iter().zip(coarse.iter().zip(fine));
-        for (experiment, (measured, (coarse, fine))) in problem.experiments.iter_mut().zip(measured)
+        for (experiment, (coarse, fine)) in
+            problem.experiments.iter_mut().zip(stand_in.iter().zip(&self.stand_in))
         {
-            let measured = measured.targets.iter().zip(coarse.iter().zip(fine));
-            for (target, (measured, (coarse, fine))) in experiment.targets.iter_mut().zip(measured)
+            for (target, (coarse, fine)) in
+                experiment.targets.iter_mut().zip(coarse.iter().zip(fine))
             {
-                target.value = measured.value + coarse - fine;
+                target.value = target.value + coarse - fine;
             }
         }
+        Some(Coarse { problem, stand_in })
     }
 
     /// What a coarse response lacks, for each target of each experiment: the difference between the

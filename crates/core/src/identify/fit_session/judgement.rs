@@ -3,7 +3,7 @@
 use super::{FitSession, Model};
 use crate::answers::Stage;
 use crate::identify::model_fit::{self, ModelFit};
-use crate::identify::objective::{Evaluation, Misfit};
+use crate::identify::objective::Evaluation;
 use crate::identify::parameter_names;
 use crate::identify::pipeline::Fitted;
 use crate::identify::prediction::{self, Simulated};
@@ -35,14 +35,8 @@ impl FitSession<'_> {
         let choice = self.order_choice.clone();
         let (measurement, request) = (self.measurement, self.request);
         let evaluation = misfit.evaluate(&model.point).map_err(|_| no_response())?;
-        let coarse = match intervals {
-            Intervals::Curvature => None,
-            Intervals::Profile => self.coarse_about(model, &evaluation.predicted),
-        };
-        let misfits =
-            [misfit, Misfit { problem: coarse.as_ref().unwrap_or(&self.problem), ..misfit }];
         let point = (&fitted, &evaluation);
-        let mut identification = answer(measurement, misfits, request, point, choice, intervals);
+        let mut identification = answer(measurement, &misfit, request, point, choice, intervals);
         let Evaluation { predicted, here } = evaluation;
         let held = refine::held(&misfit, &model.point, &here);
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();

@@ -108,8 +108,8 @@ pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOu
 }
 
 /// Most faults that are accepted together, all rows counted as one; beside effects, one less. With prior
-/// odds of one in twenty each, three faults or effects at once, faults among them, are less likely than an
-/// effect that the library lacks, which they can follow to within noise.
+/// odds of one in twenty each, three faults at once, or two and an effect, are less likely than one effect
+/// that the library lacks, which they can follow to within noise.
 const MOST_ACCEPTED: usize = 2;
 
 /// Whether a fault is found without a model of the machine, or whatever that is.

@@ -168,6 +168,7 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// −2 ln evidence of a model with a fault of this price.
     fn criterion(&self, session: &FitSession<'_>, model: &Model, price: f64) -> f64 {
         let complexity = evidence::complexity(session, model, &self.suspects.models.noise_scale);
         self.suspects.misfit_of_noise(model.cost) + complexity + price

@@ -61,6 +61,7 @@ impl FitSession<'_> {
             for (target, (coarse, fine)) in
                 experiment.targets.iter_mut().zip(coarse.iter().zip(fine))
             {
+                // In another order these sums round differently, and EMPS ends in another minimum.
                 target.value = target.value + coarse - fine;
             }
         }

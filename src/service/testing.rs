@@ -49,6 +49,7 @@ impl Numerics for Scripted {
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            bad_samples: None,
             clipping: None,
             range: None,
             response: vec![Harmonic { order: 1, value: Complex::new(0.5, -0.5), std: None }],

@@ -124,6 +124,7 @@ impl Bench {
                     mean_velocity: 0.0,
                     rounding_std: 0.0,
                     open_samples: None,
+                    bad_samples: None,
                     clipping: None,
                     range: None,
                     response,

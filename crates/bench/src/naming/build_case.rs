@@ -102,6 +102,7 @@ pub fn build_case(
             noise,
             machine,
             measurement: sound,
+            records: Vec::new(),
             mistake: None,
             attempts: attempt,
         };
@@ -113,10 +114,13 @@ pub fn build_case(
 /// The draw with the fault of its measurement, if it shall have one.
 fn mismade(case: &Case, sound: Made, rng: &mut ChaCha8Rng) -> Result<Made, MakeError> {
     let Some(sort) = Sort::of(case) else { return Ok(sound) };
-    let Made { measurement, noise, .. } = sound;
-    let (mistake, measurement) =
-        Mistake::make(sort, measurement, &noise, rng).map_err(DrawError::from)?;
-    Ok(Made { mistake: Some(mistake), measurement, noise, ..sound })
+    let (mistake, measurement) = match sound.instrument.recording {
+        Some(recording) if sort.is_of_samples() => {
+            Mistake::in_samples(sort, &sound, recording, rng).ok_or(MakeError::Unreachable)?
+        }
+        _ => Mistake::make(sort, sound.measurement, &sound.noise, rng).map_err(DrawError::from)?,
+    };
+    Ok(Made { mistake: Some(mistake), measurement, ..sound })
 }
 
 /// Smallest and largest target of a draw: of its excess, in a machine with small effects of the χ²

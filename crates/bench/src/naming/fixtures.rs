@@ -49,6 +49,7 @@ pub(super) fn made(case: &Case, hidden: &[&'static str]) -> Made {
         dominance: None,
         plant: IndexMap::from([("pole", -10.0)]),
         measurement: measure(&machine, 1).expect("a machine that moves"),
+        records: Vec::new(),
         mistake: None,
         instrument: Instrument::of(case, &mut case.rng(1)),
         noise: NoiseLaw::uniform(0.1),

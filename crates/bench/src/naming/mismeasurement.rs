@@ -5,16 +5,19 @@ mod bad_row;
 mod draw;
 #[cfg(test)]
 mod fixtures;
+mod samples;
 mod sort;
 
 use std::fmt;
 
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
+use servoscope_core::answers::Channel;
 use servoscope_core::measurement::{InvalidMeasurement, Measurement};
 
 use crate::machines::noise::NoiseLaw;
 pub use bad_row::BadRow;
+pub use samples::Spoilt;
 pub use sort::Sort;
 
 /// What is wrong with a measurement.
@@ -72,6 +75,17 @@ pub enum Mismeasurement {
     ChannelSkew {
         /// The time, s.
         seconds: f64,
+    },
+    /// These samples of records have wrong values.
+    BadSamples(Vec<Spoilt>),
+    /// A channel of records reads no value beyond a limit of either sign.
+    Clipped {
+        /// The channel.
+        channel: Channel,
+        /// The limit, units of the channel.
+        limit: f64,
+        /// Share of the samples that are cut off.
+        share: f64,
     },
 }
 
@@ -133,6 +147,18 @@ impl fmt::Display for Mismeasurement {
             Self::RmsCalledPeak => f.write_str("rms values called peak values"),
             Self::PeakToPeakCalledPeak => f.write_str("peak-to-peak values called peak values"),
             Self::ChannelSkew { seconds } => write!(f, "a response ahead by {seconds:.3e} s"),
+            Self::BadSamples(all) => write!(f, "bad samples at {} places", all.len()),
+            Self::Clipped { channel, share, .. } => {
+                let channel = match channel {
+                    Channel::Input => "input",
+                    Channel::Response => "response",
+                };
+                write!(
+                    f,
+                    "the channel of the {channel} cuts off {:.1} % of the samples",
+                    100.0 * share
+                )
+            }
         }
     }
 }

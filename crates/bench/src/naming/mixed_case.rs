@@ -8,6 +8,7 @@ use super::dominance::Dominance;
 use super::effect_draws::two;
 use super::excess::{COARSE, excess_of};
 use super::instrument::Instrument;
+use super::mismeasurement::Sort;
 use super::mixture::dominance;
 use super::recording::{Recorded, Recording, Wanted};
 use crate::machines::draw::Draw;
@@ -56,8 +57,9 @@ pub(super) fn recorded(
         (0, all) => (all, Wanted::Excess(target)),
         (dominant, _) => (dominant, Wanted::Left(target)),
     };
-    let Recorded { measurement, dominance, std, level_db } =
-        recording.record(machine, dominant, wanted, rng)?;
+    let samples_change = Sort::of(case).is_some_and(Sort::is_of_samples);
+    let Recorded { records, measurement, dominance, std, level_db } =
+        recording.record(machine, dominant, wanted, samples_change, rng)?;
     let excess = if machine.effects.is_empty() { 0.0 } else { dominance.base };
     let (hidden, dominance) = if case.kind.dominant() == 0 {
         (machine.effects.iter().map(|effect| Hidden::of(effect, excess)).collect(), None)
@@ -74,6 +76,7 @@ pub(super) fn recorded(
         instrument: Instrument { noise: RelativeNoise::decibels(level_db), ..instrument },
         noise: NoiseLaw::uniform(std),
         measurement,
+        records,
         mistake: None,
         attempts: 1,
     })

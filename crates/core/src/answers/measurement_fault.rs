@@ -39,11 +39,13 @@ pub enum FaultKind {
     ClippedInput,
     /// The same of the response.
     ClippedResponse,
+    /// Samples of a record do not belong to the rest.
+    BadSamples,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::BadRows,
         Self::StdFactor,
         Self::LevelGain,
@@ -60,6 +62,7 @@ impl FaultKind {
         Self::StraightInput,
         Self::ClippedInput,
         Self::ClippedResponse,
+        Self::BadSamples,
     ];
 
     /// The name used on the wire.
@@ -81,6 +84,7 @@ impl FaultKind {
             Self::StraightInput => "straight_input",
             Self::ClippedInput => "clipped_input",
             Self::ClippedResponse => "clipped_response",
+            Self::BadSamples => "bad_samples",
         }
     }
 }
@@ -103,6 +107,37 @@ pub struct LeftOutRow {
     pub sigmas: f64,
 }
 
+/// A channel of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Channel {
+    /// That of the input.
+    Input,
+    /// That of the response.
+    Response,
+}
+
+/// Samples of a record, in a row, that were interpolated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct InterpolatedSamples {
+    /// Index of the experiment in the measurement, from 0.
+    pub experiment: usize,
+    /// The channel.
+    pub channel: Channel,
+    /// Time of the first of them, s.
+    pub time_s: f64,
+    /// Line of the file of the first; null if it is not known.
+    pub line: Option<u64>,
+    /// Number of samples.
+    pub count: usize,
+    /// Largest distance from what their neighbours lead to, units of the channel.
+    pub off: f64,
+    /// The same in standard deviations of a sample.
+    pub sigmas: f64,
+}
+
 /// A fault of the measurement. The answer is for the measurement with this corrected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -115,6 +150,9 @@ pub struct MeasurementFault {
     pub remedy: String,
     /// The rows that were left out; empty for other faults.
     pub left_out: Vec<LeftOutRow>,
+    /// The samples that were interpolated; empty for other faults.
+    #[serde(default)]
+    pub interpolated: Vec<InterpolatedSamples>,
     /// The magnitude concerned, input units; null if it is not one magnitude.
     pub magnitude: Option<f64>,
     /// Index of the experiment concerned, from 0; null if it is not one.
@@ -137,6 +175,7 @@ impl MeasurementFault {
             sentence: String::new(),
             remedy: String::new(),
             left_out: Vec::new(),
+            interpolated: Vec::new(),
             magnitude: None,
             experiment: None,
             value: None,

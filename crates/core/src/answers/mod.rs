@@ -34,7 +34,9 @@ pub use inspection::{
     Detectability, DetectableEffect, EffectSize, Inspection, ReadingDoubt, SizedParameter,
 };
 pub use linearity::{DistortionLine, LinearLine, Linearity, LinearityLevel, Parity, Share};
-pub use measurement_fault::{AsMeasured, FaultKind, LeftOutRow, MeasurementFault};
+pub use measurement_fault::{
+    AsMeasured, Channel, FaultKind, InterpolatedSamples, LeftOutRow, MeasurementFault,
+};
 pub use method::Method;
 pub use plan::{
     Plan, PlanOptions, PlanRequest, PlannedEffect, PlannedExperiment, PlannedSweep, RoughAxis,

@@ -101,6 +101,7 @@ fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
         mean_velocity: 0.0,
         rounding_std: 0.0,
         open_samples: None,
+        bad_samples: None,
         clipping: None,
         range: None,
         response,

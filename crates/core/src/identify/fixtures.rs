@@ -65,6 +65,7 @@ fn experiment(
         mean_velocity: 0.0,
         rounding_std: 0.0,
         open_samples: None,
+        bad_samples: None,
         clipping: None,
         range: None,
         response: velocity.into_iter().enumerate().map(harmonic).collect(),

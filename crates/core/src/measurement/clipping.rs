@@ -16,10 +16,10 @@ const FEWEST: usize = 8;
 const FEWEST_IN_A_ROW: usize = 3;
 
 /// A channel clips if the samples at its limit are more than this many times those that lie inside by
-/// less than [`NEAR_SHARE`] of its range. Of a sine that is rounded to 256 steps they are 2.4 times as
-/// many.
+/// less than [`NEAR_SHARE`] of its range, or by one step of its rounding. Of a sine that is rounded to 256
+/// steps they are 2.4 times as many.
 const MORE_THAN_NEAR: usize = 4;
-const NEAR_SHARE: f64 = 0.005;
+const NEAR_SHARE: f64 = 0.0005;
 
 /// Largest share of samples that can be filled in.
 const MOST_SHARE: f64 = 0.5;

@@ -1,6 +1,6 @@
 //! One periodic input and its response.
 
-use super::{Complex, size};
+use super::{BadSamples, Complex, size};
 
 /// One harmonic of a response.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +70,8 @@ pub struct Experiment {
     /// Samples of a period of the input, if it was sampled and nothing says how it runs between its
     /// samples. `input` are then the lines of the smoothest course through them.
     pub open_samples: Option<f64>,
+    /// Samples of the record that do not belong to the rest.
+    pub bad_samples: Option<Box<BadSamples>>,
     /// What a channel of the record seems to cut off.
     pub clipping: Option<Box<Clipping>>,
     /// The range of the channel of the response, if it cuts off what a model predicts beyond.

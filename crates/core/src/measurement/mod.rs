@@ -4,6 +4,7 @@
 //! [`formats`] parses files into a [`Measurement`]. A `Measurement` is always valid: its fields
 //! are private, and its constructors check them.
 
+mod bad_samples;
 mod clipping;
 mod convolution;
 mod doubts;
@@ -36,6 +37,7 @@ mod waveform;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+pub use bad_samples::{BadSample, BadSamples};
 pub(crate) use doubts::per_cent;
 pub use experiment::{ChannelRange, Clipping, Experiment, Harmonic, Repeat};
 pub(crate) use metadata::after_number;

@@ -9,8 +9,8 @@ use super::spectrum::{self, Periods, mean_and_deviations, power};
 use super::travel::Travel;
 use super::waveform::half_peak_to_peak;
 use super::{
-    Beginning, Complex, Experiment, Harmonic, Intersample, Loop, Repeat, ResponseKind, Transient,
-    period, resolution, sampling, settling, significance, stated_period,
+    BadSamples, Beginning, Complex, Experiment, Harmonic, Intersample, Loop, Repeat, ResponseKind,
+    Transient, period, resolution, sampling, settling, significance, stated_period,
 };
 
 /// Deviations between periods below this share of the spectrum's norm are rounding errors of the
@@ -71,11 +71,26 @@ impl Record {
         &self,
         stated: RecordStatement,
     ) -> Result<(Experiment, Vec<String>), RecordError> {
-        let settle_periods = stated.settle_periods;
         let mut remarks = Vec::new();
-        let step_s = self.step_s()?;
-        let duration_s = step_s * self.time_s.len() as f64;
-        let (samples, period_s) = self.period(stated.period_s, step_s, &mut remarks)?;
+        let period = self.period(stated.period_s, self.step_s()?, &mut remarks)?;
+        let (mut experiment, periods) = self.last_periods(period, stated, &mut remarks)?;
+        if let Some((record, samples)) = self.without_bad_samples(periods, stated.kind) {
+            let (mended, _) = record.last_periods(period, stated, &mut Vec::new())?;
+            experiment.bad_samples = Some(Box::new(BadSamples { mended, samples }));
+        }
+        Ok((experiment, remarks))
+    }
+
+    /// The last whole periods, of so many samples and seconds each, with what their channels cut off, and
+    /// which they are.
+    fn last_periods(
+        &self,
+        (samples, period_s): (f64, f64),
+        stated: RecordStatement,
+        remarks: &mut Vec<String>,
+    ) -> Result<(Experiment, Periods), RecordError> {
+        let settle_periods = stated.settle_periods;
+        let duration_s = self.step_s()? * self.time_s.len() as f64;
         let change = Change::of(&self.input, samples);
         if let Some(Change { share, .. }) = change.filter(|change| change.is_large()) {
             let percent = 100.0 * share;
@@ -107,9 +122,9 @@ impl Record {
         }
         remarks.push(format!("the last {} whole periods of {period_s} s are used", outputs.len()));
         let periods = Periods { samples, count: outputs.len() };
-        let mut experiment = self.of_periods(outputs, (samples, period_s), stated, &mut remarks);
-        experiment.clipping = self.clipping(periods, period_s, stated);
-        Ok((experiment, remarks))
+        let experiment = self.of_periods(outputs, (samples, period_s), stated, remarks);
+        let clipping = self.clipping(periods, period_s, stated);
+        Ok((Experiment { clipping, ..experiment }, periods))
     }
 
     /// The whole record as one period, and remarks on it.
@@ -260,6 +275,7 @@ impl Record {
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            bad_samples: None,
             clipping: None,
             range: None,
             response: output[..=highest]

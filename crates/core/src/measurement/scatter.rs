@@ -79,6 +79,7 @@ mod tests {
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            bad_samples: None,
             clipping: None,
             range: None,
             response: (1..=harmonics).map(harmonic).collect(),

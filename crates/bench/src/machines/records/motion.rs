@@ -85,6 +85,7 @@ impl PeriodicMotion {
             mean_velocity: self.mean_velocity,
             rounding_std: 0.0,
             open_samples: None,
+            bad_samples: None,
             clipping: None,
             range: None,
             response: response.map(harmonic).collect(),
@@ -134,23 +135,41 @@ impl PeriodicMotion {
         run: f64,
         rng: &mut ChaCha8Rng,
     ) -> Result<Experiment, RecordError> {
-        let record = self.record(noise, sampling, run, rng);
+        Self::read(&self.record(noise, sampling, run, rng), kind, self.omega_rad_s)
+    }
+
+    /// What a record of a periodic motion with this fundamental (rad/s) becomes as an experiment. The mean
+    /// of a position says nothing and is left out.
+    ///
+    /// # Errors
+    /// See [`RecordError`].
+    pub fn read(
+        record: &Record,
+        kind: ResponseKind,
+        omega_rad_s: f64,
+    ) -> Result<Experiment, RecordError> {
         let stated = RecordStatement {
             kind,
-            period_s: Some(TAU / self.omega_rad_s),
+            period_s: Some(TAU / omega_rad_s),
             settle_periods: Some(0),
             ..RecordStatement::default()
         };
         let (mut experiment, _) = record.experiment(stated)?;
         if kind != ResponseKind::Velocity {
-            // The mean of a position says nothing.
-            experiment.response.remove(0);
-            for repeat in &mut experiment.repeats {
-                repeat.response.remove(0);
-            }
+            remove_mean(&mut experiment);
+            experiment.bad_samples.iter_mut().for_each(|bad| remove_mean(&mut bad.mended));
         }
         Ok(experiment)
     }
+}
+
+fn remove_mean(experiment: &mut Experiment) {
+    experiment.response.remove(0);
+    for repeat in &mut experiment.repeats {
+        repeat.response.remove(0);
+    }
+    let filled = experiment.clipping.iter_mut().filter_map(|clipping| clipping.filled.as_mut());
+    filled.for_each(remove_mean);
 }
 
 #[cfg(test)]

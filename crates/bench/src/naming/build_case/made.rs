@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 use servoscope_core::diagnose::DiagnoseError;
-use servoscope_core::measurement::Measurement;
+use servoscope_core::measurement::{Measurement, Record};
 use servoscope_core::plant::{Actuator, Plant};
 
 use super::MOST_ATTEMPTS;
@@ -55,6 +55,8 @@ pub struct Made {
     pub noise: NoiseLaw,
     /// The measurement for the diagnosis.
     pub measurement: Measurement,
+    /// The samples of each of its experiments without the fault, if it is recorded.
+    pub records: Vec<Record>,
     /// The fault of that measurement, if it has one.
     pub mistake: Option<Mistake>,
     /// Number of attempts, including this one.

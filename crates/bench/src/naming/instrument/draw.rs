@@ -63,12 +63,17 @@ impl Instrument {
     }
 }
 
-/// Any recording. A held input is a fault itself, so that one with another fault is not held; and
-/// another gain of one experiment needs several.
+/// Any recording. A held input is a fault itself, so that one with another fault is not held; another
+/// gain or phase of one experiment needs several; and of responses only velocities are said to clip.
 fn recording(case: &Case, rng: &mut ChaCha8Rng) -> Recording {
     let fits = |recording: &Recording| match Sort::of(case) {
         None => true,
-        Some(Sort::RunGain) => matches!(recording, Recording::Multisine { levels: 2.. }),
+        Some(Sort::RunGain | Sort::RunPhase) => {
+            matches!(recording, Recording::Multisine { levels: 2.. })
+        }
+        Some(Sort::ClippedResponse) => {
+            matches!(recording, Recording::Multisine { .. } | Recording::Sweep)
+        }
         Some(_) => *recording != Recording::Held,
     };
     let all: Vec<Recording> = Recording::ALL.into_iter().filter(fits).collect();
@@ -104,12 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn a_record_with_another_gain_of_one_experiment_has_two() {
+    fn a_record_with_another_gain_or_phase_of_one_experiment_has_two() {
         for index in 0..100 {
             let case: Case = format!("mismeasured-record-60-o0-{index}").parse().unwrap();
             let recording = Instrument::of(&case, &mut case.rng(1)).recording.unwrap();
             let is_of_two = recording == Recording::Multisine { levels: 2 };
-            assert!(Sort::of(&case) != Some(Sort::RunGain) || is_of_two, "{recording}");
+            let is_of_one = matches!(Sort::of(&case), Some(Sort::RunGain | Sort::RunPhase));
+            assert!(!is_of_one || is_of_two, "{recording}");
         }
     }
 

@@ -34,6 +34,7 @@ impl Mismeasurement {
     /// | stated over true standard deviation | 0.3 … 0.8 and 1.25 … 3 |
     /// | error of the gain of a level, of an experiment | 2 … 50 %, 2 … 20 % |
     /// | error of the phase of a level or an experiment | 2 … 10° |
+    /// | … of an experiment that is a record, at the highest line of its input | 2 … 20° |
     /// | skew (always ahead), at the highest fundamental | 2 … 20° |
     pub fn draw(sort: Sort, sound: &Measurement, law: &NoiseLaw, rng: &mut ChaCha8Rng) -> Self {
         match sort {
@@ -52,16 +53,25 @@ impl Mismeasurement {
                 experiment: rng.random_range(0..sound.experiments().len()),
                 factor: 1.0 + signed(RUN_GAIN, rng),
             },
-            Sort::RunPhase => Self::RunPhase {
-                experiment: rng.random_range(0..sound.experiments().len()),
-                degrees: signed(PHASE_DEGREES, rng),
-            },
+            Sort::RunPhase => {
+                let experiment = rng.random_range(0..sound.experiments().len());
+                let measured = &sound.experiments()[experiment];
+                let degrees = match measured.from_record {
+                    true => signed(SKEW_DEGREES, rng) / highest_excited(measured) as f64,
+                    false => signed(PHASE_DEGREES, rng),
+                };
+                Self::RunPhase { experiment, degrees }
+            }
             Sort::Conjugated => Self::Conjugated,
             Sort::SineReference => Self::SineReference,
             Sort::ReversedSign => Self::ReversedSign,
             Sort::PositionCalledVelocity => Self::PositionCalledVelocity,
             Sort::RmsCalledPeak => Self::RmsCalledPeak,
             Sort::PeakToPeakCalledPeak => Self::PeakToPeakCalledPeak,
+            // Tables have no samples; those of records are drawn elsewhere.
+            Sort::BadSamples | Sort::ClippedInput | Sort::ClippedResponse => {
+                Self::BadSamples(Vec::new())
+            }
             Sort::ChannelSkew => {
                 let frequencies = sound.experiments().iter().map(fastest_rad_s);
                 let degrees = log_uniform(SKEW_DEGREES[0], SKEW_DEGREES[1], rng);
@@ -75,9 +85,14 @@ impl Mismeasurement {
 
 /// The highest frequency that an input has: of its lines that are no noise, rad/s.
 fn fastest_rad_s(experiment: &Experiment) -> f64 {
+    highest_excited(experiment) as f64 * experiment.omega_rad_s
+}
+
+/// The highest line of an input that is no noise.
+fn highest_excited(experiment: &Experiment) -> usize {
     let largest = experiment.input.iter().skip(1).map(|line| line.norm()).fold(0.0, f64::max);
     let excited = experiment.input.iter().rposition(|line| line.norm() > EXCITED_SHARE * largest);
-    excited.unwrap_or(1) as f64 * experiment.omega_rad_s
+    excited.unwrap_or(1).max(1)
 }
 
 /// A log-uniform size with either sign.

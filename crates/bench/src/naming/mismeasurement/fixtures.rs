@@ -31,6 +31,7 @@ pub(super) fn table(repeats: usize) -> Measurement {
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
                 open_samples: None,
+                bad_samples: None,
                 clipping: None,
                 range: None,
                 response,

@@ -37,11 +37,17 @@ pub enum Sort {
     ChannelSkew,
     /// Peak-to-peak values are called peak values.
     PeakToPeakCalledPeak,
+    /// Samples of a record are wrong.
+    BadSamples,
+    /// The channel of the input clips.
+    ClippedInput,
+    /// The channel of the response clips.
+    ClippedResponse,
 }
 
 impl Sort {
     /// Every sort.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::OneBadRowInAHundred,
         Self::FiveBadRowsInAHundred,
         Self::StdFactor,
@@ -56,18 +62,32 @@ impl Sort {
         Self::RmsCalledPeak,
         Self::ChannelSkew,
         Self::PeakToPeakCalledPeak,
+        Self::BadSamples,
+        Self::ClippedInput,
+        Self::ClippedResponse,
     ];
+
+    /// Number of those that are drawn in tables, which come first. Peak-to-peak values, the next,
+    /// alternate with rms values in their place.
+    const OF_TABLES: usize = 13;
 
     /// Those that are drawn in records. Their lines are computed from the samples, so that a convention
     /// of harmonics is none of them. A position that is called a velocity would move on where the axis
     /// is not symmetric, which lines cannot show.
-    const OF_RECORDS: [Self; 3] = [Self::ReversedSign, Self::ChannelSkew, Self::RunGain];
+    const OF_RECORDS: [Self; 7] = [
+        Self::ReversedSign,
+        Self::ChannelSkew,
+        Self::RunGain,
+        Self::RunPhase,
+        Self::BadSamples,
+        Self::ClippedInput,
+        Self::ClippedResponse,
+    ];
 
-    /// The sorts of a kind of draw, in turn; none if its measurements are sound. In tables, peak-to-peak
-    /// values, the last sort, alternate with rms values in their place.
+    /// The sorts of a kind of draw, in turn; none if its measurements are sound.
     pub(in crate::naming) fn all_of(kind: Kind) -> &'static [Self] {
         match kind {
-            Kind::Mismeasured => &Self::ALL[..Self::ALL.len() - 1],
+            Kind::Mismeasured => &Self::ALL[..Self::OF_TABLES],
             Kind::MismeasuredRecord => &Self::OF_RECORDS,
             _ => &[],
         }
@@ -85,6 +105,11 @@ impl Sort {
         })
     }
 
+    /// Whether it changes the samples of a record, not its lines.
+    pub(in crate::naming) fn is_of_samples(self) -> bool {
+        matches!(self, Self::BadSamples | Self::ClippedInput | Self::ClippedResponse)
+    }
+
     /// The kind of fault that an answer should name.
     pub fn kind(self) -> FaultKind {
         match self {
@@ -100,6 +125,9 @@ impl Sort {
             Self::PositionCalledVelocity => FaultKind::ResponseKind,
             Self::RmsCalledPeak | Self::PeakToPeakCalledPeak => FaultKind::AmplitudeConvention,
             Self::ChannelSkew => FaultKind::ChannelSkew,
+            Self::BadSamples => FaultKind::BadSamples,
+            Self::ClippedInput => FaultKind::ClippedInput,
+            Self::ClippedResponse => FaultKind::ClippedResponse,
         }
     }
 
@@ -130,7 +158,7 @@ mod tests {
             let sort = Sort::of(&case).unwrap();
             *counts.entry((case.level_db, case.effect.is_some(), sort)).or_default() += 1;
         }
-        assert_eq!(counts.len(), 2 * 2 * Sort::ALL.len());
+        assert_eq!(counts.len(), 2 * 2 * (Sort::OF_TABLES + 1));
         let amplitudes = [Sort::RmsCalledPeak, Sort::PeakToPeakCalledPeak];
         for ((.., sort), count) in counts {
             let share = if amplitudes.contains(&sort) { 2 } else { 1 };
@@ -140,15 +168,9 @@ mod tests {
 
     #[test]
     fn every_kind_of_fault_is_among_the_sorts_and_each_sort_has_a_row_of_its_own() {
-        // How the input runs between samples concerns records, which `recording` draws. Where samples
-        // are cut off cannot be drawn from lines.
-        let of_records = [
-            FaultKind::HeldInput,
-            FaultKind::StraightInput,
-            FaultKind::ClippedInput,
-            FaultKind::ClippedResponse,
-        ];
-        for kind in FaultKind::ALL.into_iter().filter(|kind| !of_records.contains(kind)) {
+        // How the input runs between samples is drawn by `recording`.
+        let courses = [FaultKind::HeldInput, FaultKind::StraightInput];
+        for kind in FaultKind::ALL.into_iter().filter(|kind| !courses.contains(kind)) {
             assert!(Sort::ALL.iter().any(|sort| sort.kind() == kind), "{kind:?}");
         }
         let mut names = Sort::ALL.map(Sort::name).to_vec();

@@ -10,7 +10,7 @@ use crate::machines::simulator::{Effect, Machine, Settings, respond};
 /// Lines of a multisine, and of the command in a position loop.
 pub(super) const LINES: usize = 200;
 /// Highest harmonic of the response that is simulated.
-const HARMONICS: usize = 300;
+pub(super) const HARMONICS: usize = 300;
 /// Ratio of the two levels.
 const LEVEL_RATIO: f64 = 2.0;
 /// Highest velocity of a trajectory, as a multiple of that at the lowest magnitude of a table, at
@@ -23,12 +23,13 @@ const TRAJECTORY_RATES: [f64; 2] = [0.1, 2.0];
 /// small effects.
 pub(super) type Motions = Vec<[PeriodicMotion; 2]>;
 
-/// The same multisine at one or two levels.
+/// The same multisine at one or two levels, its response up to a harmonic.
 pub(super) fn multisines(
     machine: &Draw,
     dominant: usize,
     levels: usize,
     input: Vec<Complex>,
+    harmonics: usize,
 ) -> Option<Motions> {
     let (_, band_rad_s) = *machine.design.last()?;
     let omega_rad_s = band_rad_s / LINES as f64;
@@ -40,7 +41,7 @@ pub(super) fn multisines(
             let machine = Machine { plant: machine.plant, effects };
             let settings = Settings::default();
             let response =
-                respond(&machine, share, omega_rad_s, &input, HARMONICS, &settings).ok()?;
+                respond(&machine, share, omega_rad_s, &input, harmonics, &settings).ok()?;
             Some(PeriodicMotion { omega_rad_s, input: input.clone(), response, mean_velocity: 0.0 })
         };
         Some([of(&machine.effects)?, of(&machine.effects[..dominant])?])
@@ -90,7 +91,7 @@ mod tests {
     fn two_levels_are_the_same_multisine_and_the_input_does_not_depend_on_small_effects() {
         let machine = machine();
         let input = multisine(LINES, 1.0, &mut ChaCha8Rng::seed_from_u64(1));
-        let motions = multisines(&machine, 1, 2, input).unwrap();
+        let motions = multisines(&machine, 1, 2, input, HARMONICS).unwrap();
         let [[whole, dominant], [lower, _]] = &motions[..] else { panic!("two levels") };
         assert_eq!((whole.input.len(), &whole.input), (LINES + 1, &dominant.input));
         assert_ne!(whole.response, dominant.response);

@@ -1,16 +1,21 @@
 //! Records with as much noise as makes of a draw what is wanted.
 
 use rand_chacha::ChaCha8Rng;
-use servoscope_core::measurement::{Experiment, Loop, Measurement, Metadata, ResponseKind};
+use servoscope_core::measurement::{
+    Complex, Experiment, Loop, Measurement, Metadata, Record, ResponseKind,
+};
 use servoscope_core::plant::Plant;
 
 use super::Recording;
-use super::motions::{LINES, multisines, positions, trajectory};
+use super::motions::{HARMONICS, LINES, multisines, positions, trajectory};
 use crate::machines::draw::{Draw, log_uniform};
 use crate::machines::records::{PeriodicMotion, RecordNoise, multisine, sweep};
 use crate::machines::simulator::Effect;
 use crate::naming::dominance::Dominance;
 
+/// Highest harmonic of the response where its samples are changed: what a channel cuts off is all that
+/// there is, and most records have 1024 lines.
+const HARMONICS_OF_SAMPLES: usize = 1000;
 /// Half the peak-to-peak value of a multisine, as a multiple of the highest magnitude of a table.
 /// Its root mean square is about a third of that.
 const MULTISINE_MAGNITUDE: f64 = 1.5;
@@ -39,6 +44,8 @@ pub(in crate::naming) enum Wanted {
 
 /// A record of a machine.
 pub(in crate::naming) struct Recorded {
+    /// The samples of each experiment.
+    pub(in crate::naming) records: Vec<Record>,
     pub(in crate::naming) measurement: Measurement,
     pub(in crate::naming) dominance: Dominance,
     /// Noise of the first harmonic, response units.
@@ -50,23 +57,26 @@ pub(in crate::naming) struct Recorded {
 impl Recording {
     /// Records a machine whose first effects, this many, dominate, with as much noise as it takes to
     /// have what is wanted. `None` if it has no response of the input's period, cannot be fitted, or
-    /// would need noise that no sensor has.
+    /// would need noise that no sensor has. Where `samples_change`, the response has all its harmonics.
     pub(in crate::naming) fn record(
         self,
         machine: &Draw,
         dominant: usize,
         wanted: Wanted,
+        samples_change: bool,
         rng: &mut ChaCha8Rng,
     ) -> Option<Recorded> {
         let magnitude = MULTISINE_MAGNITUDE * machine.design.last()?.0;
         let random = |rng: &mut ChaCha8Rng| multisine(LINES, magnitude, rng);
+        let harmonics = if samples_change { HARMONICS_OF_SAMPLES } else { HARMONICS };
+        let sines = |levels: usize, input: Vec<Complex>| {
+            multisines(machine, dominant, levels, input, harmonics)
+        };
         let motions = match self {
-            Self::Multisine { levels } => multisines(machine, dominant, levels, random(rng))?,
-            Self::Held => multisines(machine, dominant, 1, self.sampling().held(&random(rng)))?,
-            Self::Sweep => multisines(machine, dominant, 1, sweep(LINES, magnitude))?,
-            Self::Position { .. } | Self::Rounded => {
-                positions(multisines(machine, dominant, 1, random(rng))?)
-            }
+            Self::Multisine { levels } => sines(levels, random(rng))?,
+            Self::Held => sines(1, self.sampling().held(&random(rng)))?,
+            Self::Sweep => sines(1, sweep(LINES, magnitude))?,
+            Self::Position { .. } | Self::Rounded => positions(sines(1, random(rng))?),
             Self::Trajectory => trajectory(machine, dominant)?,
         };
         let noise = self.noise(&motions[0][0]);
@@ -100,14 +110,30 @@ impl Recording {
                 Self::Held => whole.read_before_holding(sampling),
                 _ => whole.clone(),
             };
-            read.recorded(self.kind(), &noise, sampling, run(place), rng).ok()
+            read.record(&noise, sampling, run(place), rng)
         };
-        let experiments = motions.iter().enumerate().map(recorded).collect::<Option<_>>()?;
+        let records: Vec<Record> = motions.iter().enumerate().map(recorded).collect();
+        let fundamentals = motions.iter().map(|[whole, _]| whole.omega_rad_s);
+        let measurement = self.read(&records, fundamentals)?;
         let exact = exact(0, &noise)?;
         let first = exact.experiments()[0].harmonic(1)?;
         let std = first.std?;
         let level_db = 20.0 * (first.value.norm() / std).log10();
-        Some(Recorded { measurement: self.measurement(experiments)?, dominance, std, level_db })
+        Some(Recorded { records, measurement, dominance, std, level_db })
+    }
+
+    /// The measurement that records of periodic motions with these fundamentals (rad/s) make; `None` if
+    /// one of them cannot be read.
+    pub(in crate::naming) fn read(
+        self,
+        records: &[Record],
+        fundamentals: impl Iterator<Item = f64>,
+    ) -> Option<Measurement> {
+        let each = records.iter().zip(fundamentals);
+        let read = each.map(|(record, omega_rad_s)| {
+            PeriodicMotion::read(record, self.kind(), omega_rad_s).ok()
+        });
+        self.measurement(read.collect::<Option<_>>()?)
     }
 
     /// Gain of the linear machine from input to response; that of a position has no mean.
@@ -154,7 +180,7 @@ mod tests {
     fn a_record_has_the_noise_with_which_the_dominant_effect_leaves_what_it_shall() {
         for recording in Recording::ALL {
             let rng = &mut ChaCha8Rng::seed_from_u64(1);
-            let recorded = recording.record(&machine(), 1, Wanted::Left(5.0), rng).unwrap();
+            let recorded = recording.record(&machine(), 1, Wanted::Left(5.0), false, rng).unwrap();
             // Rounding of a few operations.
             assert!((recorded.dominance.chi2_per_dof - 5.0).abs() < 1e-9, "{recording}");
             let experiments = recorded.measurement.experiments();

@@ -142,19 +142,22 @@ pub(super) fn gain(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -
     Candidate { kind, place, columns, deviation: Some(GAIN_DEVIATION), price, positive: false }
 }
 
-fn phase(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
+/// Another phase of what these cells hold; the parameter is that of the fundamental, rad.
+pub(super) fn phase(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
     let columns = vec![column(cells, |cell| turned(cell, 1.0))];
     Candidate { kind, place, columns, deviation: Some(PHASE_DEVIATION), price, positive: false }
 }
 
-/// The means against the harmonics, if both were measured: an rms value differs from a peak value,
-/// but a mean does not.
+/// The means against the harmonics, if both were measured: an rms value differs from a peak value, but a
+/// mean does not. The parameter v says that the means are 1 − v of what was measured, in units of the
+/// harmonics. What was measured is the direction, since what is simulated is a compromise: the even
+/// harmonics depend on the same difference in friction.
 fn means(cells: &[&Cell]) -> Option<Candidate> {
     let means: Vec<&Cell> = cells.iter().filter(|cell| cell.order == 0).copied().collect();
     (!means.is_empty() && means.len() < cells.len()).then(|| Candidate {
         kind: FaultKind::AmplitudeConvention,
         place: Place::All,
-        columns: vec![column(&means, |cell| cell.simulated)],
+        columns: vec![column(&means, |cell| cell.measured)],
         deviation: Some(MEAN_DEVIATION),
         price: FAULT_COST,
         positive: false,

@@ -9,8 +9,9 @@ use crate::measurement::Complex;
 /// Half the width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
-/// A factor between mean and harmonics is that of a convention if its logarithm differs by less.
-const SAME_CONVENTION: f64 = 0.15;
+/// A factor between mean and harmonics is that of a convention if its logarithm differs by less than this
+/// share of the logarithm itself: with half, it would be as near to 1.
+const SAME_CONVENTION: f64 = 0.45;
 
 /// Rows that do not belong.
 pub(super) fn bad_rows(rows: impl Iterator<Item = LeftOutRow>) -> MeasurementFault {
@@ -88,7 +89,7 @@ pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
 pub(super) fn convention(factor: f64) -> Option<f64> {
     [std::f64::consts::SQRT_2, 0.5]
         .into_iter()
-        .find(|known| factor > 0.0 && (factor / known).ln().abs() < SAME_CONVENTION)
+        .find(|known: &f64| (factor / known).ln().abs() < SAME_CONVENTION * known.ln().abs())
 }
 
 /// A row that is left out, by these errors in standard deviations; those are `scale` times as large as
@@ -114,9 +115,9 @@ const MOST_ACCEPTED: usize = 2;
 
 /// Whether a fault is found without a model of the machine, or whatever that is.
 pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
-    use FaultKind::{BadRows, Conjugated, ResponseKind, ReversedSign, SineReference};
+    use FaultKind::{BadRows, BadSamples, Conjugated, ResponseKind, ReversedSign, SineReference};
     match fault.fault {
-        Conjugated | ReversedSign | SineReference | ResponseKind => true,
+        BadSamples | Conjugated | ReversedSign | SineReference | ResponseKind => true,
         BadRows => fault.left_out.iter().all(|row| row.repeat.is_some()),
         _ => false,
     }

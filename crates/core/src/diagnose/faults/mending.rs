@@ -9,7 +9,7 @@ use crate::measurement::{
     ResponseKind,
 };
 
-use super::clipping;
+use super::{bad_samples, clipping};
 
 /// Two magnitudes are the same if they differ by less than this, relative.
 const SAME_MAGNITUDE: f64 = 1e-9;
@@ -84,8 +84,15 @@ pub(super) fn change(
     let mut change = DatumChange { factor: Complex::new(1.0, 0.0), deviation: 1.0 };
     let own = &experiments[experiment];
     for fault in faults.iter().filter(|fault| concerns(fault, experiment, own)) {
-        change.factor *= factor(fault, own, order);
-        change.deviation *= std_factor(fault, own, order);
+        if fault.fault == FaultKind::AmplitudeConvention {
+            // The means instead of the harmonics: with these the gain of a fitted model remains.
+            let of_mean = if order == 0 { 1.0 / fault.value.unwrap_or(1.0) } else { 1.0 };
+            change.factor *= of_mean;
+            change.deviation *= of_mean;
+        } else {
+            change.factor *= factor(fault, own, order);
+            change.deviation *= std_factor(fault, own, order);
+        }
         if leaves_out(fault, experiment, order) {
             change.deviation *= LEFT_OUT;
         }
@@ -134,6 +141,7 @@ fn mended_experiment(
     experiment: &Experiment,
     faults: &[MeasurementFault],
 ) -> Option<Experiment> {
+    let experiment = bad_samples::mended(experiment, faults).unwrap_or(experiment);
     let clipped = clipping::mended(experiment, faults);
     let experiment = clipped.as_ref().unwrap_or(experiment);
     let mut mended = without_repeats(index, experiment, faults);

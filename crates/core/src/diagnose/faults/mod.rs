@@ -13,8 +13,10 @@
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
 //! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
 //! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
-//! Faults of one row, level or experiment are looked for in tables only.
+//! Rows and levels are looked for in tables only. [`bad_samples`] and [`clipping`] take what was found
+//! as records were read, [`one_run`] another gain or delay of one of them.
 
+mod bad_samples;
 mod beside;
 mod candidates;
 mod clipping;
@@ -26,13 +28,14 @@ mod mending;
 mod noise_size;
 pub(super) mod of_records;
 mod one_level_out;
+mod one_run;
 mod power;
 mod projection;
+mod reached;
 pub(super) mod readings;
 mod repeats;
 mod retest;
 mod row_regions;
-mod run_gain;
 mod scan;
 mod skew;
 pub(super) mod suspects;
@@ -41,20 +44,16 @@ mod tests;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 
-use std::sync::{Mutex, PoisonError};
-
-use crate::answers::{
-    AsMeasured, ConvergenceRow, Diagnosis, FaultKind, MeasurementFault, Progress, Verdict,
-};
+use crate::answers::{AsMeasured, Diagnosis, FaultKind, Fit, MeasurementFault, Verdict};
 use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
-use crate::observer::Observer;
 
 use super::doubt::{Data, Halt};
 use super::error::DiagnoseError;
 use super::progress::{Part, Quiet};
 use super::selection::weighting_choice;
 use fault::{are_too_many, is_certain};
+use reached::Reached;
 use suspects::CLEARLY_BETTER;
 
 pub use mending::as_understood;
@@ -71,14 +70,16 @@ pub(super) fn diagnose(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let reached = Reached { whole: &part, fraction: Mutex::new(0.0) };
+    let reached = Reached::of(&part);
     let as_it_is = || undoubted(measurement, request, reached.rest());
     if request.options.keep_all {
         return as_it_is();
     }
-    let mut faults: Vec<MeasurementFault> = repeats::odd_rows(measurement).into_iter().collect();
+    let mut faults: Vec<MeasurementFault> =
+        repeats::odd_rows(measurement).into_iter().chain(bad_samples::fault(measurement)).collect();
     let mut as_measured = None;
-    let (mut unexplained, mut mended_only, mut restored) = (None, None, false);
+    let (mut unexplained, mut mended_only) = (None, None);
+    let (mut restored, mut without_regions) = (false, false);
     for round in 0..=MOST_ROUNDS {
         let Ok(mended) = mending::mended(measurement, &faults) else { break };
         let data = Data { measurement: &mended.measurement, doubted: round < MOST_ROUNDS };
@@ -92,12 +93,19 @@ pub(super) fn diagnose(
                     return Ok(answer);
                 }
                 let read = readings::explained(&answer, measurement, request, &quiet, &alone);
-                let Some(fault) = read.or_else(|| isolated::rows(&answer, measurement)) else {
-                    return Ok(answer);
+                let clipped = || clipping::faults(measurement.experiments());
+                let isolated = || isolated::rows(&answer, measurement).into_iter().collect();
+                faults = match read {
+                    Some(read) => vec![read],
+                    None => {
+                        Some(clipped()).filter(|found| !found.is_empty()).unwrap_or_else(isolated)
+                    }
                 };
+                if faults.is_empty() {
+                    return Ok(answer);
+                }
                 as_measured = Some(as_answered(&answer));
                 unexplained = Some(answer);
-                faults.push(fault);
             }
             Ok(answer) if is_explained(&answer) || faults.iter().all(stands_alone) => {
                 if !restored && let Some(fewer) = isolated::belonging(&answer, measurement, &faults)
@@ -109,25 +117,26 @@ pub(super) fn diagnose(
                     faults = fewer;
                     continue;
                 }
-                // What another effect might explain. The size of the noise it cannot.
-                let (asked, kept): (Vec<_>, Vec<_>) = faults
-                    .iter()
-                    .cloned()
-                    .partition(|fault| !is_certain(fault) && fault.fault != FaultKind::StdFactor);
-                let observer = Quiet(&part);
-                if !asked.is_empty()
-                    && !retest::needs(measurement, &kept, &answer, request, &observer)
+                if let Some(fewer) =
+                    retest::needed(&faults, measurement, &answer, request, &Quiet(&part))
                 {
-                    if kept.is_empty() {
+                    if fewer.is_empty() {
                         break;
                     }
-                    faults = kept;
+                    faults = fewer;
                     continue;
                 }
-                if are_too_many(&faults, !answer.causes.is_empty())
-                    || row_regions::form_regions(&answer, measurement, &faults)
-                {
+                if are_too_many(&faults, !answer.causes.is_empty()) {
                     break;
+                }
+                if row_regions::form_regions(&answer, measurement, &faults) {
+                    // The model lacks something there. Other faults may be right, once.
+                    faults.retain(|fault| fault.fault != FaultKind::BadRows || is_certain(fault));
+                    if without_regions || faults.is_empty() {
+                        break;
+                    }
+                    without_regions = true;
+                    continue;
                 }
                 let as_measured = match as_measured {
                     Some(known) => Some(known),
@@ -159,8 +168,38 @@ pub(super) fn diagnose(
             let as_measured = as_measured.or_else(|| Some(as_answered(&whole)));
             Ok(Diagnosis { measurement: faults, as_measured, ..answer })
         }
-        _ => Ok(whole),
+        mended_only => {
+            let known = mended_only.map(|answer| (faults, answer));
+            without_isolated_rows(whole, known, measurement, request, reached.rest())
+        }
     }
+}
+
+/// The answer without the rows that stand out from their neighbours, where nothing explains the
+/// measurement with them and they are no region; else the answer as it is. Something else may be wrong,
+/// too, but what a model lacks changes neighbours alike. Of some faults the answer may be known.
+fn without_isolated_rows(
+    whole: Diagnosis,
+    known: Option<(Vec<MeasurementFault>, Diagnosis)>,
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: Part<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let rows = (!is_explained(&whole)).then(|| isolated::rows(&whole, measurement)).flatten();
+    let Some(rows) = rows else { return Ok(whole) };
+    let mut faults = vec![rows];
+    let Ok(mended) = mending::mended(measurement, &faults) else { return Ok(whole) };
+    let answer = match known {
+        Some((known, answer)) if known == faults => answer,
+        _ => undoubted(&mended.measurement, request, part)?,
+    };
+    let belong = isolated::belonging(&answer, measurement, &faults).is_some();
+    if belong || row_regions::form_regions(&answer, measurement, &faults) {
+        return Ok(whole);
+    }
+    words::describe(&mut faults, measurement);
+    let as_measured = Some(as_answered(&whole));
+    Ok(Diagnosis { measurement: faults, as_measured, ..answer })
 }
 
 /// The answer to a measurement as it is.
@@ -190,15 +229,16 @@ fn changes_all_alike(fault: &MeasurementFault) -> bool {
 /// Whether an answer to the mended measurement, which leaves more than noise, is still clearly better
 /// than that to the measurement as it is.
 fn is_clearly_better(mended: &Diagnosis, whole: &Diagnosis) -> bool {
-    let fit = |answer: &Diagnosis| {
-        let best = &answer.extended.as_ref().unwrap_or(&answer.base).fit;
-        Some((best.chi2?, best.chi2? / best.chi2_per_dof?))
+    let best = |answer: &Diagnosis| answer.extended.as_ref().unwrap_or(&answer.base).fit.clone();
+    let (mended, whole) = (best(mended), best(whole));
+    let left = |fit: &Fit| fit.nrmse.powi(2);
+    let (ours, theirs) = match mended.chi2.zip(whole.chi2) {
+        Some(both) => both,
+        // Weights differ where the noise is not used.
+        None => (left(&mended), left(&whole)),
     };
-    let (Some((left, dof)), Some((left_of_whole, _))) = (fit(mended), fit(whole)) else {
-        return false;
-    };
-    suspects::misfit(left_of_whole, dof, false) - suspects::misfit(left, dof, false)
-        > CLEARLY_BETTER
+    let dof = mended.dof.max(1) as f64;
+    suspects::misfit(theirs, dof, false) - suspects::misfit(ours, dof, false) > CLEARLY_BETTER
 }
 
 /// Whether the answer's best model leaves only noise, and convinces.
@@ -232,40 +272,4 @@ fn renumber(fault: &mut MeasurementFault, experiments: &[usize]) {
     let before = |index: &mut usize| *index = experiments.get(*index).copied().unwrap_or(*index);
     fault.experiment.iter_mut().for_each(before);
     fault.left_out.iter_mut().for_each(|row| before(&mut row.experiment));
-}
-
-/// Keeps the fraction of the progress that was reached, so that another round goes on from there.
-struct Reached<'a> {
-    whole: &'a Part<'a>,
-    fraction: Mutex<f64>,
-}
-
-impl Reached<'_> {
-    fn rest(&self) -> Part<'_> {
-        let fraction = *self.fraction.lock().unwrap_or_else(PoisonError::into_inner);
-        Part { whole: self, span: [fraction, 1.0], last: self.whole.last }
-    }
-}
-
-impl Observer for Reached<'_> {
-    fn elapsed_s(&self) -> f64 {
-        self.whole.elapsed_s()
-    }
-
-    fn progress(&self, progress: Progress) {
-        *self.fraction.lock().unwrap_or_else(PoisonError::into_inner) = progress.fraction;
-        self.whole.progress(progress);
-    }
-
-    fn rest_is_certain(&self) {
-        self.whole.rest_is_certain();
-    }
-
-    fn row(&self, row: ConvergenceRow) {
-        self.whole.row(row);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.whole.cancelled()
-    }
 }

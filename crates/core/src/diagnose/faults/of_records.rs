@@ -1,5 +1,5 @@
 //! Faults that records may have: another [`course`] of the input between its samples, a response that
-//! is ahead of it ([`skew`]), another gain of one experiment ([`run_gain`]), or a channel that clips
+//! is ahead of it ([`skew`]), another gain or delay of one experiment ([`one_run`]), or a channel that clips
 //! ([`clipping`]).
 //!
 //! One is found where a model with it leaves only noise. Where more than noise remains whatever is
@@ -19,7 +19,8 @@ use super::beside::{self, OneNumber};
 use super::candidates::FAULT_COST;
 use super::clipping;
 use super::course;
-use super::run_gain::RunGain;
+use super::one_run::OneRun;
+use super::scan::FAR_SMALLER;
 use super::skew::Skew;
 use super::suspects::{CLEARLY_BETTER, Suspected, Suspects};
 
@@ -51,13 +52,14 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
         }
     }
     let experiments = suspects.session.measurement().experiments();
-    let gains = RunGain::each(experiments);
     for start in search.starts.clone() {
         search.fit_beside(&start, &[Skew]);
-        search.fit_beside(&start, &gains);
     }
-    if search.more_is_left {
-        search.fit_beside(suspects.session.base(), &gains);
+    if experiments.len() > 1 {
+        for start in search.starts_of_runs() {
+            search.fit_beside(&start, &OneRun::gains(experiments));
+            search.fit_beside(&start, &OneRun::phases(experiments));
+        }
     }
     let faults = clipping::faults(experiments);
     if let Some(session) = clipped(suspects, &faults) {
@@ -71,14 +73,16 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     search.best
 }
 
-/// The base model of a record with another gain of one experiment, if it leaves only noise.
-pub(super) fn gain_beside_the_base_model(suspects: &Suspects<'_>) -> Option<Suspected> {
+/// The base model of a record with another gain or delay of one experiment, if it leaves only noise.
+pub(super) fn another_run_beside_the_base_model(suspects: &Suspects<'_>) -> Option<Suspected> {
     if !suspects.are_enough() {
         return None;
     }
     let mut search = Search::of(suspects, |_| true)?;
-    let gains = RunGain::each(suspects.session.measurement().experiments());
-    search.fit_beside(suspects.session.base(), &gains);
+    let base = suspects.session.base();
+    let experiments = suspects.session.measurement().experiments();
+    search.fit_beside(base, &OneRun::gains(experiments));
+    search.fit_beside(base, &OneRun::phases(experiments));
     search.best
 }
 
@@ -142,6 +146,26 @@ impl<'a> Search<'a> {
         Some(Self { suspects, starts, best_model, effects, more_is_left, without, least, best })
     }
 
+    /// Models that are tried with another gain or phase of one experiment. Where more than noise is left,
+    /// such a fault may have been followed by several effects; the base model and every effect alone come
+    /// first then.
+    fn starts_of_runs(&self) -> Vec<Model> {
+        let Suspects { session, models, .. } = *self.suspects;
+        if !self.more_is_left {
+            return self.starts.clone();
+        }
+        let alone = models.all().filter(|(key, model)| key.len() == 1 && model.cost.is_finite());
+        let alone = alone.map(|(_, model)| model.clone());
+        std::iter::once(session.base().clone()).chain(alone).chain(self.starts.clone()).collect()
+    }
+
+    /// Whether a model beside a fault leaves far less, beyond noise, than the fault explains. An effect
+    /// that is taken for another gain leaves more.
+    fn leaves_little(&self, model: &Model) -> bool {
+        let beyond_noise = model.cost - self.suspects.dof();
+        beyond_noise < FAR_SMALLER * (self.best_model.cost - model.cost)
+    }
+
     /// Whether the noise is known beside the model, whatever the weights are.
     fn noise_is_measured(&self) -> bool {
         let experiments = self.suspects.session.measurement().experiments();
@@ -203,7 +227,7 @@ impl<'a> Search<'a> {
         let observer = session.observer();
         let is_clear = self.without - criterion > CLEARLY_BETTER;
         let enough = match faults.first().map(|fault| fault.fault) {
-            Some(FaultKind::RunGain) => false,
+            Some(FaultKind::RunGain | FaultKind::RunPhase) => is_clear && self.leaves_little(&model),
             Some(kind) if course::COURSES.contains(&kind) => self.more_is_left,
             _ => is_clear && (self.more_is_left || self.noise_is_measured()),
         };

@@ -5,7 +5,7 @@
 //! unexplained. So the final model is fitted to the measurement with the faults, from several starts:
 //! if it leaves only noise there, they are none.
 
-use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
+use crate::answers::{Diagnosis, FaultKind, MeasurementFault, PlantRequest};
 use crate::effects;
 use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Model};
 use crate::measurement::Measurement;
@@ -16,11 +16,34 @@ use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::search::fitter::Fitter;
 use crate::diagnose::selection::evidence::NoiseScale;
 
+use super::fault::is_certain;
 use super::mending;
+
+/// The faults that are needed beside the effects of an answer, which may explain all others or one of
+/// them; `None` if all are. The size of the noise no effect explains.
+pub(super) fn needed(
+    faults: &[MeasurementFault],
+    measurement: &Measurement,
+    answer: &Diagnosis,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<Vec<MeasurementFault>> {
+    let is_asked =
+        |fault: &MeasurementFault| !is_certain(fault) && fault.fault != FaultKind::StdFactor;
+    let asked: Vec<usize> = (0..faults.len()).filter(|i| is_asked(&faults[*i])).collect();
+    let each = asked.iter().filter(|_| asked.len() > 1).map(|i| vec![*i]);
+    let groups = std::iter::once(asked.clone()).filter(|all| !all.is_empty()).chain(each);
+    groups
+        .map(|group| {
+            let kept = (0..faults.len()).filter(|i| !group.contains(i));
+            kept.map(|i| faults[i].clone()).collect::<Vec<_>>()
+        })
+        .find(|kept| !needs(measurement, kept, answer, request, observer))
+}
 
 /// Whether the model of an answer, fitted to the measurement with only the `kept` faults mended,
 /// leaves more than noise.
-pub(super) fn needs(
+fn needs(
     measurement: &Measurement,
     kept: &[MeasurementFault],
     answer: &Diagnosis,

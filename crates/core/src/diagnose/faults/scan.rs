@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::answers::{FaultKind, MeasurementFault, NoiseSource};
 use crate::identify::ModelFit;
+use crate::measurement::Complex;
 
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::residuals::subspace::Subspace;
@@ -58,7 +59,7 @@ impl<'a> Scan<'a> {
     /// A scan beside a fitted model of this cost; `size_known` says whether its noise has the size
     /// that the measurement states.
     pub fn new(fit: &'a ModelFit, cost: f64, dof: f64, size_known: bool) -> Self {
-        let residuals = Residuals::of(fit);
+        let residuals = with_data_of_fit(Residuals::of(fit));
         let left = residuals.fitted.complement(&residuals.values);
         let begin = [left.norm_squared().max(f64::MIN_POSITIVE), cost];
         let fitted = residuals.fitted.clone();
@@ -177,7 +178,7 @@ impl<'a> Scan<'a> {
         let left = self.left.norm_squared();
         let (gain, values) = outside.best(&self.left);
         if candidate.kind == FaultKind::AmplitudeConvention {
-            fault::convention(1.0 + values[0])?;
+            fault::convention(1.0 / (1.0 - values[0]))?;
         }
         let scale = self.scale();
         let limit = match candidate.kind {
@@ -251,7 +252,7 @@ impl<'a> Scan<'a> {
                 ..fault::sized(candidate.kind, value, deviation)
             },
             Place::All if candidate.kind == FaultKind::AmplitudeConvention => MeasurementFault {
-                value: fault::convention(1.0 + value),
+                value: fault::convention(1.0 / (1.0 - value)),
                 ..MeasurementFault::of(candidate.kind)
             },
             Place::All => {
@@ -262,4 +263,15 @@ impl<'a> Scan<'a> {
             }
         }
     }
+}
+
+/// The residuals with what they are of as measured values: where faults are mended that were found
+/// before, not what was measured.
+fn with_data_of_fit(mut residuals: Residuals) -> Residuals {
+    let Residuals { layout, values, .. } = &mut residuals;
+    for cell in &mut layout.cells {
+        let (re, im) = (values[cell.rows.0], cell.rows.1.map_or(0.0, |row| values[row]));
+        cell.measured = cell.simulated + cell.std * Complex::new(re, im);
+    }
+    residuals
 }

@@ -1,5 +1,7 @@
 //! Faults added to responses of the independent simulator are found and mended.
 
+mod beside_others;
+
 use std::f64::consts::SQRT_2;
 
 use super::*;
@@ -227,35 +229,6 @@ fn a_repeat_that_differs_from_the_others_is_left_out_by_its_number() {
     assert_eq!((row.experiment, row.harmonic, row.repeat), (7, 1, Some(2)));
     // It is some 15 deviations off, so that 0.3 is known to a fifteenth; three times that.
     assert!((0.24..0.36).contains(&row.off), "{row:?}");
-}
-
-// A noise that is stated too large hides nothing, so that the model leaves no more than that without
-// mending it.
-#[test]
-fn a_deviation_that_is_stated_too_large_is_named_beside_an_effect() {
-    let measurement = changed(17, |_, experiment, harmonic| {
-        turned(harmonic, -(experiment.omega_rad_s * 5e-3).to_degrees());
-        harmonic.std = harmonic.std.map(|std| 2.0 * std);
-    });
-    let answer = answer(&measurement);
-    let faults: Vec<FaultKind> = answer.measurement.iter().map(|fault| fault.fault).collect();
-    assert_eq!(faults, [FaultKind::StdFactor]);
-    assert_eq!(answer.causes[0].effect, "transport_delay", "{:?}", answer.causes);
-}
-
-#[test]
-fn an_effect_behind_a_fault_is_still_named() {
-    let late = |experiment: &Experiment, harmonic: &mut Harmonic| {
-        turned(harmonic, -(experiment.omega_rad_s * 5e-3).to_degrees());
-    };
-    let measurement = changed(16, |index, experiment, harmonic| {
-        late(experiment, harmonic);
-        harmonic.value *= if (index, harmonic.order) == (5, 1) { 1.2 } else { 1.0 };
-    });
-    let answer = answer(&measurement);
-    assert_eq!(answer.measurement[0].fault, FaultKind::BadRows);
-    assert_eq!(answer.causes[0].effect, "transport_delay", "{:?}", answer.causes);
-    assert_eq!(answer.verdict, Verdict::Explained);
 }
 
 /// A joint whose antiresonance lies where one experiment alone is, the fastest of 18; noise of 31 dB.

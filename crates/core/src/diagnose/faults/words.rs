@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::answers::{FaultKind, LeftOutRow, MeasurementFault};
-use crate::measurement::{Measurement, per_cent};
+use crate::answers::{Channel, FaultKind, InterpolatedSamples, LeftOutRow, MeasurementFault};
+use crate::measurement::{Measurement, Metadata, per_cent};
 
 use crate::diagnose::residuals::sentence::short;
 
@@ -136,6 +136,10 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
             ),
             "; corrected: what is simulated is cut off as well",
         ),
+        FaultKind::BadSamples => (
+            samples(&fault.interpolated, measurement),
+            "; corrected: interpolated from their neighbours",
+        ),
         FaultKind::ChannelSkew => {
             let ends = fault.interval95.map(|ends| ends.map(|end| 1e3 * end));
             let interval = ends.map(|both| both.map(|end| rounded(end, ends)));
@@ -225,6 +229,31 @@ fn rows(left_out: &[LeftOutRow], measurement: &Measurement) -> String {
     }
 }
 
+/// Samples that do not belong, the first few by name.
+fn samples(bad: &[InterpolatedSamples], measurement: &Measurement) -> String {
+    let name = |one: &InterpolatedSamples| {
+        let Metadata { input, response, .. } = measurement.metadata();
+        let (channel, unit) = match one.channel {
+            Channel::Input => ("input", &input.unit),
+            Channel::Response => ("response", &response.unit),
+        };
+        let space = if unit.is_empty() { "" } else { " " };
+        let line = one.line.map_or(String::new(), |line| format!("line {line}, "));
+        let count = if one.count > 1 { format!("{} samples ", one.count) } else { String::new() };
+        format!(
+            "{line}{count}at {:.6} s: the {channel} is {}{space}{unit} off, {} standard deviations",
+            one.time_s,
+            short(one.off),
+            short(one.sigmas)
+        )
+    };
+    let named: Vec<String> = bad.iter().take(MOST_NAMED).map(name).collect();
+    let more = bad.len().saturating_sub(MOST_NAMED);
+    let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
+    let what = if bad.len() == 1 { "one sample does" } else { "samples do" };
+    format!("{what} not belong to the rest: {}{rest}", named.join("; "))
+}
+
 fn remedy(fault: &MeasurementFault) -> &'static str {
     match fault.fault {
         FaultKind::BadRows => "measure again what is listed, or delete its lines",
@@ -250,6 +279,9 @@ fn remedy(fault: &MeasurementFault) -> &'static str {
         FaultKind::StraightInput => "add the line `# intersample: linear` above the header",
         FaultKind::ClippedInput | FaultKind::ClippedResponse => {
             "measure again with a larger range of this channel, or with a smaller input"
+        }
+        FaultKind::BadSamples => {
+            "look for a disturbance of the wires or a fault of the transmission at these times"
         }
         FaultKind::ChannelSkew => "correct the delay between the channels of the instrument",
     }

@@ -34,6 +34,7 @@ fn experiment(plant: Plant, omega_rad_s: f64, input: Vec<Complex>, highest: usiz
         mean_velocity: 0.0,
         rounding_std: 0.0,
         open_samples: None,
+        bad_samples: None,
         clipping: None,
         range: None,
         response: velocity.unwrap().into_iter().enumerate().map(harmonic).collect(),

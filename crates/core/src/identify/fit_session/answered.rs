@@ -133,6 +133,7 @@ mod tests {
                 mean_velocity: 0.0,
                 rounding_std: 0.0,
                 open_samples: None,
+                bad_samples: None,
                 clipping: None,
                 range: None,
                 response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),

@@ -4,6 +4,7 @@
 //! line in [`CHECKS`].
 
 mod amplitude;
+mod bad_samples;
 mod clipping;
 mod closed_loop;
 mod finding;
@@ -28,6 +29,7 @@ const CHECKS: &[(&str, Check)] = &[
     ("rising_phase", rising_phase::check),
     ("position_as_velocity", position_as_velocity::check),
     ("closed_loop", closed_loop::check),
+    ("bad_samples", bad_samples::check),
     ("clipping", clipping::check),
     ("amplitude", amplitude::check),
 ];

@@ -101,6 +101,7 @@ pub(super) fn experiment(
             mean_velocity: 0.0,
             rounding_std: 0.0,
             open_samples: None,
+            bad_samples: None,
             clipping: None,
             range: None,
             response,

@@ -96,7 +96,12 @@ fn read_segment(table: &Table, segment: &Segment, header: &Header) -> Result<Rea
         settle_periods: header.settle_periods,
     };
     match record.experiment(stated) {
-        Ok((content, remarks)) => Ok(Read::Periods(Remarked { content, remarks })),
+        Ok((mut content, remarks)) => {
+            for one in content.bad_samples.iter_mut().flat_map(|bad| &mut bad.samples) {
+                one.line = table.row(segment.row + one.first).line();
+            }
+            Ok(Read::Periods(Remarked { content, remarks }))
+        }
         Err(RecordError::NoPeriodFound { .. }) if record.time_s.len() >= FEWEST && moves => motion(
             "no period is found in the input: it is taken as one motion that does not repeat; where \
              it repeats, give period_s",

@@ -11,6 +11,7 @@
 
 pub mod bee_colony;
 mod closed_form;
+mod corrected;
 mod effect_coordinates;
 mod estimated_noise;
 mod estimates;
@@ -97,7 +98,7 @@ pub fn identify(
     let evaluation = misfit.evaluate(&chosen.point).map_err(|_| no_response());
     let answer = |evaluation| {
         let fitted = (&chosen, &evaluation);
-        answer(measurement, &misfit, request, fitted, order_choice, Intervals::Profile)
+        answer(measurement, (&misfit, None), request, fitted, order_choice, Intervals::Profile)
     };
     unless_cancelled(observer, evaluation.map(answer))
 }

@@ -13,7 +13,8 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::Linearisation;
+use super::corrected::Corrected;
+use super::levenberg_marquardt::{self, LeastSquares, Linearisation};
 use super::objective::Misfit;
 use super::parameters::Coordinates;
 use super::refine::{self, Patience};
@@ -33,7 +34,9 @@ const LARGEST_GAIN_LEFT: f64 = 0.05;
 
 /// The profile of the sum of squares about a fitted point.
 pub(super) struct Profile<'a> {
-    misfit: &'a Misfit<'a>,
+    objective: Corrected<'a>,
+    /// The misfit that `objective` stands for, if it is on a coarse problem.
+    fine: Option<Misfit<'a>>,
     point: &'a [f64],
     cost: f64,
     /// t: standard deviations from the point to an end, by the curvature.
@@ -44,12 +47,12 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// The profile about a minimum, with the quantile t and the scale s of the noise; `None` if the
-    /// point is not a minimum.
+    /// The profile of a misfit about a minimum, with the quantile t and the scale s of the noise; `None` if
+    /// the point is not a minimum. With a coarse misfit and its correction there, that is profiled, and
+    /// ends are verified by the other.
     pub fn new(
-        misfit: &'a Misfit<'a>,
-        point: &'a [f64],
-        here: &Linearisation,
+        (misfit, coarse): (&Misfit<'a>, Option<Corrected<'a>>),
+        (point, here): (&'a [f64], &Linearisation),
         uncertainty: &Uncertainty,
         [quantile, scale]: [f64; 2],
         search: &'a SearchSettings,
@@ -58,7 +61,9 @@ impl<'a> Profile<'a> {
         let predicted_gain = gradient.dot(&(&uncertainty.covariance * &gradient)) / scale.powi(2);
         let rise = (quantile * scale).powi(2);
         let cost = here.residuals.norm_squared();
-        let this = Self { misfit, point, cost, quantile, rise, search };
+        let fine = coarse.map(|_| *misfit);
+        let objective = coarse.unwrap_or(Corrected { misfit: *misfit, correction: None });
+        let this = Self { objective, fine, point, cost, quantile, rise, search };
         (predicted_gain <= LARGEST_GAIN_LEFT * rise).then_some(this)
     }
 
@@ -79,7 +84,7 @@ impl<'a> Profile<'a> {
     /// The distance to the end of an interval, if it lies further out than `to_end`, the step to
     /// the curvature's end; else `None`.
     fn end(&self, i: usize, to_end: &DVector<f64>) -> Option<f64> {
-        let Coordinates { lower, upper, .. } = self.misfit.coordinates;
+        let Coordinates { lower, upper, .. } = self.objective.misfit.coordinates;
         let side = to_end[i].signum();
         let room = if side > 0.0 { upper[i] - self.point[i] } else { self.point[i] - lower[i] };
         let mut distance = to_end[i].abs();
@@ -87,8 +92,8 @@ impl<'a> Profile<'a> {
             return None;
         }
         let mut last: Vec<f64> = self.point.iter().zip(to_end).map(|(p, s)| p + s).collect();
-        self.misfit.coordinates.clamp(&mut last);
-        let mut root = self.root(self.misfit.cost(&last));
+        self.objective.clamp(&mut last);
+        let mut root = self.root(self.objective.cost(&last));
         if root > 1.0 + CURVATURE_TOLERANCE {
             // The cost rises faster than the quadratic predicts along the straight line. In a
             // curved valley the minimum at this value lies off the line, so refit.
@@ -110,7 +115,10 @@ impl<'a> Profile<'a> {
             let root;
             (last, root) = self.refit(i, self.point[i] + side * distance, &start);
             let found = (root - 1.0).abs() <= END_TOLERANCE || (root < 1.0 && distance >= room);
-            if found || self.misfit.observer.cancelled() {
+            if found || self.objective.cancelled() {
+                if !self.is_verified(&last, root) {
+                    return self.on_fine_problem().end(i, to_end);
+                }
                 break;
             }
             match root > 1.0 {
@@ -119,6 +127,18 @@ impl<'a> Profile<'a> {
             }
         }
         Some(distance)
+    }
+
+    /// Whether the root of the rise at a point is that of the misfit that is profiled on a coarse problem.
+    fn is_verified(&self, point: &[f64], root: f64) -> bool {
+        let fine = self.fine.map(|misfit| self.root(misfit.cost(point)));
+        fine.is_none_or(|fine| (fine - root).abs() <= CURVATURE_TOLERANCE)
+    }
+
+    /// The same profile, of the misfit itself.
+    fn on_fine_problem(&self) -> Self {
+        let misfit = self.fine.unwrap_or(self.objective.misfit);
+        Self { objective: Corrected { misfit, correction: None }, fine: None, ..*self }
     }
 
     /// The root of the rise: √((cost − cost at the minimum)/rise), which is 1 at the end of an
@@ -130,17 +150,19 @@ impl<'a> Profile<'a> {
     /// Refits all coordinates but `i`, which is held at `value`; returns the point and the root of
     /// the rise there.
     fn refit(&self, i: usize, value: f64, start: &[f64]) -> (Vec<f64>, f64) {
-        let mut coordinates = self.misfit.coordinates.clone();
+        let Corrected { misfit, correction } = self.objective;
+        let mut coordinates = misfit.coordinates.clone();
         (coordinates.lower[i], coordinates.upper[i]) = (value, value);
-        let motions = self.misfit.new_motions();
-        let misfit =
-            Misfit { coordinates: &coordinates, motions: motions.as_deref(), ..*self.misfit };
+        let motions = misfit.new_motions();
+        let misfit = Misfit { coordinates: &coordinates, motions: motions.as_deref(), ..misfit };
         let patience = Patience {
             cost_tolerance: self.search.settle_tolerance,
             negligible: self.rise,
             ..refine::THOROUGH
         };
-        let refined = refine::refine(&misfit, start, patience, &mut |_, _, _| ());
+        let objective = Corrected { misfit, correction };
+        let none = &mut |_, _, _| ();
+        let refined = levenberg_marquardt::minimise(&objective, start, patience, none);
         (refined.point, self.root(refined.cost))
     }
 }
@@ -186,7 +208,8 @@ mod tests {
         let uncertainty = Uncertainty::new(&here, &held, scale);
         let search = SearchSettings::default();
         let profile =
-            Profile::new(&misfit, &point, &here, &uncertainty, [2.0, scale], &search).unwrap();
+            Profile::new((&misfit, None), (&point, &here), &uncertainty, [2.0, scale], &search)
+                .unwrap();
         profile.reaches(CONSTANT, &uncertainty)
     }
 

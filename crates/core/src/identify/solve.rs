@@ -4,6 +4,7 @@ use crate::answers::{Identification, InvalidOptions, OrderChoice, PlantRequest, 
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
+use super::corrected::Corrected;
 use super::history::History;
 use super::noise::Weights;
 use super::objective::{Evaluation, Misfit};
@@ -69,7 +70,7 @@ pub(super) fn solve(
 /// The answer that reports a fit, of whose point this is the evaluation.
 pub(super) fn answer(
     measurement: &Measurement,
-    misfit: &Misfit<'_>,
+    misfits @ (misfit, _): (&Misfit<'_>, Option<Corrected<'_>>),
     request: &IdentifyRequest,
     (fitted, evaluation): (&Fitted, &Evaluation),
     order_choice: Option<OrderChoice>,
@@ -77,7 +78,7 @@ pub(super) fn answer(
 ) -> Identification {
     let IdentifyRequest { plant, method, options, search, .. } = request;
     let Misfit { problem, weights, .. } = misfit;
-    let summary = summary::summarise(measurement, misfit, (fitted, evaluation), intervals, search);
+    let summary = summary::summarise(measurement, misfits, (fitted, evaluation), intervals, search);
     let limitations = limitations::of(measurement, problem, *method, options, fitted, &summary);
     let stop_reason = fitted.stages.last().map_or("nothing to do", |stage| &stage.stop_reason);
     Identification {

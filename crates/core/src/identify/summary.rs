@@ -7,6 +7,7 @@ use crate::answers::{Correlations, Fit, ParameterEstimate, TransferFunction};
 use crate::measurement::{Complex, Measurement};
 use crate::plant::{Actuator, Plant};
 
+use super::corrected::Corrected;
 use super::estimates::Estimates;
 use super::objective::{Evaluation, Misfit};
 use super::parameters::Coordinate;
@@ -49,7 +50,7 @@ pub enum Intervals {
 /// Summarises a fitted point, of which this is the evaluation.
 pub(super) fn summarise(
     measurement: &Measurement,
-    misfit: &Misfit<'_>,
+    (misfit, coarse): (&Misfit<'_>, Option<Corrected<'_>>),
     (fitted, Evaluation { predicted, here }): (&Fitted, &Evaluation),
     intervals: Intervals,
     search: &SearchSettings,
@@ -72,8 +73,8 @@ pub(super) fn summarise(
     let profile = match intervals {
         Intervals::Curvature => None,
         Intervals::Profile => {
-            let noise = [quantile, scale];
-            Profile::new(misfit, &fitted.point, here, &uncertainty, noise, search)
+            let (noise, about) = ([quantile, scale], (&fitted.point[..], here));
+            Profile::new((misfit, coarse), about, &uncertainty, noise, search)
         }
     };
     let reported = |i: usize| fitted.coordinates.list[i] != Coordinate::FcSplit;

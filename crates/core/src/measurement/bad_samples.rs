@@ -11,7 +11,7 @@ mod suspect;
 use super::spectrum::Periods;
 use super::{Experiment, Record, ResponseKind, resolution};
 use crate::answers::Channel;
-use suspect::Suspects;
+use suspect::{BEYOND_JUMP, Suspects};
 
 /// Fewest periods whose median tells what belongs.
 const FEWEST_PERIODS: usize = 3;
@@ -110,7 +110,7 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods, is_smooth: bool)
             off: one.off,
             sigmas: one.off / suspects.std,
         })
-        .filter(|one| one.off > height(one.first))
+        .filter(|one| one.off > BEYOND_JUMP * height(one.first))
         .collect();
     if periodic {
         let places: Vec<usize> = found.iter().map(|one| place(one.first)).collect();

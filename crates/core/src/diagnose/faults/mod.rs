@@ -44,7 +44,10 @@ mod tests;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 
-use crate::answers::{AsMeasured, Diagnosis, FaultKind, Fit, MeasurementFault, Verdict};
+use crate::answers::{
+    AsMeasured, Diagnosis, FaultKind, Fit, IdentifyOptions, MeasurementFault, NetworkOptions,
+    PlantRequest, Verdict,
+};
 use crate::identify::{FitSession, IdentifyRequest};
 use crate::measurement::Measurement;
 
@@ -140,7 +143,7 @@ pub(super) fn diagnose(
                 }
                 let as_measured = match as_measured {
                     Some(known) => Some(known),
-                    None => base_alone(measurement, request, &part),
+                    None => base_alone(measurement, retest::order(&answer), request, &part),
                 };
                 words::describe(&mut faults, measurement);
                 return Ok(Diagnosis { measurement: faults, as_measured, ..answer });
@@ -256,14 +259,20 @@ fn as_answered(answer: &Diagnosis) -> AsMeasured {
     }
 }
 
-/// What the base model leaves of the measurement as it is.
+/// What the base model of this order leaves of the measurement as it is. Its network would take more time
+/// than it saves.
 fn base_alone(
     measurement: &Measurement,
+    actuator_order: u8,
     request: &IdentifyRequest,
     part: &Part<'_>,
 ) -> Option<AsMeasured> {
     let quietly = Quiet(part);
-    let session = FitSession::new(measurement, request, &quietly).ok()?;
+    let network = NetworkOptions { enabled: false, ..request.options.network };
+    let options = IdentifyOptions { network, ..request.options };
+    let plant = Some(PlantRequest { actuator_order });
+    let request = IdentifyRequest { plant, options, ..*request };
+    let session = FitSession::new(measurement, &request, &quietly).ok()?;
     readings::as_measured(&session)
 }
 

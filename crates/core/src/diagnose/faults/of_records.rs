@@ -227,7 +227,9 @@ impl<'a> Search<'a> {
         let observer = session.observer();
         let is_clear = self.without - criterion > CLEARLY_BETTER;
         let enough = match faults.first().map(|fault| fault.fault) {
-            Some(FaultKind::RunGain | FaultKind::RunPhase) => is_clear && self.leaves_little(&model),
+            Some(FaultKind::RunGain | FaultKind::RunPhase) => {
+                is_clear && self.leaves_little(&model)
+            }
             Some(kind) if course::COURSES.contains(&kind) => self.more_is_left,
             _ => is_clear && (self.more_is_left || self.noise_is_measured()),
         };

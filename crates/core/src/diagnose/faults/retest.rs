@@ -85,7 +85,8 @@ fn is_noise(
     fitter.leave_local_minimum(&model, &is_noise, begin).map(|found| is_noise(&found))
 }
 
-fn order(answer: &Diagnosis) -> u8 {
+/// Order of the actuator in an answer.
+pub(super) fn order(answer: &Diagnosis) -> u8 {
     let has = |name: &str| answer.base.parameters.contains_key(name);
     match (has("natural_frequency"), has("actuator_pole")) {
         (true, _) => 2,

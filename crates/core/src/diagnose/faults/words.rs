@@ -250,7 +250,8 @@ fn samples(bad: &[InterpolatedSamples], measurement: &Measurement) -> String {
     let named: Vec<String> = bad.iter().take(MOST_NAMED).map(name).collect();
     let more = bad.len().saturating_sub(MOST_NAMED);
     let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
-    let what = if bad.len() == 1 { "one sample does" } else { "samples do" };
+    let is_one = matches!(bad, [one] if one.count == 1);
+    let what = if is_one { "one sample does" } else { "samples do" };
     format!("{what} not belong to the rest: {}{rest}", named.join("; "))
 }
 

@@ -2,6 +2,7 @@
 
 use super::{FitSession, Model};
 use crate::answers::Stage;
+use crate::identify::corrected::{Corrected, Correction};
 use crate::identify::model_fit::{self, ModelFit};
 use crate::identify::objective::Evaluation;
 use crate::identify::parameter_names;
@@ -36,7 +37,15 @@ impl FitSession<'_> {
         let (measurement, request) = (self.measurement, self.request);
         let evaluation = misfit.evaluate(&model.point).map_err(|_| no_response())?;
         let point = (&fitted, &evaluation);
-        let mut identification = answer(measurement, &misfit, request, point, choice, intervals);
+        let coarse = self.coarse.as_ref().filter(|_| intervals == Intervals::Profile);
+        let coarse = coarse.map(|_| self.search_misfit(model));
+        let correction =
+            coarse.and_then(|coarse| Correction::of(&coarse, &model.point, &evaluation.here));
+        let corrected = coarse
+            .zip(correction.as_ref())
+            .map(|(misfit, correction)| Corrected { misfit, correction: Some(correction) });
+        let misfits = (&misfit, corrected);
+        let mut identification = answer(measurement, misfits, request, point, choice, intervals);
         let Evaluation { predicted, here } = evaluation;
         let held = refine::held(&misfit, &model.point, &here);
         let free: Vec<usize> = (0..held.len()).filter(|i| !held[*i]).collect();

@@ -12,7 +12,7 @@ const MOST_IN_A_ROW: usize = 8;
 
 /// Bad samples are off by more than this many times what their two sides differ by: after a jump they
 /// are as far off as the sides.
-const BEYOND_JUMP: f64 = 2.0;
+pub(super) const BEYOND_JUMP: f64 = 2.0;
 
 /// Weights of the neighbours of a cubic at distances of one and two, and the ratio of the standard
 /// deviation of the distance from it to that of a sample: √(1 + 2·(2/3)² + 2·(1/6)²).

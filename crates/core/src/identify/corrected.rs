@@ -78,3 +78,43 @@ impl LeastSquares for Corrected<'_> {
         self.misfit.cancelled()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answers::IdentifyOptions;
+    use crate::identify::fixtures::{ACTUATORS, axis, multisine};
+    use crate::identify::noise;
+    use crate::identify::parameters::Coordinates;
+    use crate::identify::problem::Problem;
+    use crate::observer::Silent;
+
+    #[test]
+    fn a_corrected_coarse_misfit_is_the_fine_one_at_its_point_and_to_second_order_near_it() {
+        let axis = axis(ACTUATORS[1]);
+        let measurement = multisine(&axis);
+        let problem = Problem::new(&measurement).unwrap();
+        let coordinates = Coordinates::new(1, false, &problem.prior);
+        let weights = noise::weights(&measurement, &problem, &IdentifyOptions::default(), None);
+        let fine = Misfit::new(&problem, &coordinates, &weights, &Silent);
+        let rough = problem.coarser(0.1).unwrap();
+        let coarse = Misfit { problem: &rough, ..fine };
+        let point = coordinates.point(&problem.in_scale(&axis));
+        let here = fine.linearise(&point).unwrap();
+        let correction = Correction::of(&coarse, &point, &here).unwrap();
+        let corrected = Corrected { misfit: coarse, correction: Some(&correction) };
+        let there = corrected.linearise(&point).unwrap();
+        // Rounding.
+        assert!((&there.residuals - &here.residuals).norm() < 1e-12 * here.jacobian.norm());
+        assert!((&there.jacobian - &here.jacobian).norm() < 1e-12 * here.jacobian.norm());
+        let apart = |step: f64| {
+            let near: Vec<f64> = point.iter().map(|value| value + step).collect();
+            let exact = fine.residuals(&near).unwrap();
+            let with = (corrected.residuals(&near).unwrap() - &exact).norm();
+            (with, (coarse.residuals(&near).unwrap() - exact).norm())
+        };
+        let ((near, _), (far, without)) = (apart(0.01), apart(0.1));
+        // A second-order error falls by a hundred for a tenth of the step.
+        assert!(far < 0.3 * without && near < 0.03 * far, "{near} {far} {without}");
+    }
+}

@@ -79,6 +79,21 @@ pub(super) fn rows(answer: &Diagnosis, measurement: &Measurement) -> Option<Meas
     (few && !odd.is_empty()).then(|| fault::bad_rows(odd.into_iter()))
 }
 
+/// Those of them that stand out from everything else that the model leaves, too: by five times its root
+/// mean square. What a model lacks need not be smooth over the frequency, where it drifts and the
+/// frequencies were measured in another order.
+pub(super) fn outliers(answer: &Diagnosis, measurement: &Measurement) -> Option<MeasurementFault> {
+    let mut fault = rows(answer, measurement)?;
+    let comparison = compared(answer, measurement)?;
+    let is_out =
+        |row: &Row| fault.left_out.iter().any(|o| (o.experiment, o.harmonic) == (row.experiment, row.order));
+    let rest = each(&comparison).filter(|(_, row)| !is_out(row));
+    let squares: Vec<f64> = rest.map(|(_, row)| row.left.norm_sqr()).collect();
+    let rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+    fault.left_out.retain(|row| row.sigmas > BEYOND_SCATTER * rms);
+    (!fault.left_out.is_empty()).then_some(fault)
+}
+
 /// These faults without the rows that the model of an answer predicts; `None` if all are needed.
 pub(super) fn belonging(
     answer: &Diagnosis,

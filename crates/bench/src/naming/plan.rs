@@ -151,12 +151,12 @@ impl Plan {
                 let effects = self.effects.iter().copied().enumerate().cycle();
                 let hidden = draws.zip(effects).enumerate();
                 let hidden = hidden.map(|(number, ((level, index), (effect_place, effect)))| {
-                    // The orders change from one effect to the next and from one turn to the next.
-                    let first = match kind {
-                        Kind::Mismeasured => effect_place,
+                    // In tables the orders change from one effect to the next and from one turn to the
+                    // next.
+                    let order = order(match kind {
+                        Kind::Mismeasured => effect_place + number / self.effects.len(),
                         _ => place(index),
-                    };
-                    let order = order(first + number / self.effects.len());
+                    });
                     Case { order, ..case(level, Some(effect), index) }
                 });
                 clean.chain(hidden).collect()
@@ -237,7 +237,7 @@ mod tests {
     fn each_fault_of_a_record_is_drawn_with_every_order_clean_and_with_an_effect() {
         let kinds = vec![Kind::MismeasuredRecord];
         let cases = Plan { kinds, mismeasured: 3, ..Plan::default() }.cases();
-        assert!(cases.iter().all(|case| case.level_db == 60) && cases.len() == 2 * 3 * 3);
+        assert!(cases.iter().all(|case| case.level_db == 60) && cases.len() == 2 * 7 * 3);
         let drawn = cases.iter().map(|case| (Sort::of(case), case.order, case.effect.is_some()));
         let different: HashSet<_> = drawn.collect();
         assert_eq!(different.len(), cases.len());

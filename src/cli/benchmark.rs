@@ -44,8 +44,8 @@ pub(super) struct Args {
     /// Measurements with a fault of each sort (bad rows, a wrong gain or phase of a level or an
     /// experiment, a wrong sign, unit, reference, quantity or timing) of clean machines at each
     /// level above 40 dB; as many of machines with an effect, the effects taken in turn; as many
-    /// records with each fault that they may have. The same measurements are diagnosed without the
-    /// fault, too.
+    /// records with each fault that they may have, bad samples and channels that clip among them. The
+    /// same measurements are diagnosed without the fault, too.
     #[arg(long, value_name = "N", default_value_t = Plan::default().mismeasured)]
     mismeasured: u32,
     /// Noise, dB below the median response: 60, 50 or 40; not of `analyser`.

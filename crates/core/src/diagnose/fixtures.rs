@@ -7,7 +7,7 @@ use crate::machines::closed_loop::PositionLoop;
 use crate::machines::records::{PeriodicMotion, RecordNoise, Sampling, multisine};
 use crate::machines::simulator::{Effect, Machine, Settings, respond};
 use crate::measurement::{
-    Complex, Experiment, Harmonic, Intersample, Loop, Measurement, Metadata, ResponseKind,
+    Complex, Experiment, Harmonic, Intersample, Loop, Measurement, Metadata, Record, ResponseKind,
 };
 use crate::plant::{Actuator, Friction, Plant};
 
@@ -111,6 +111,22 @@ pub(super) fn multiplied(
     Measurement::new(metadata, experiments, Vec::new(), hash).unwrap()
 }
 
+/// The record of the velocity under a multisine, its samples changed.
+pub(super) fn spoilt_record(
+    effects: &[Effect],
+    spoil: impl FnOnce(&mut Record),
+    seed: u64,
+) -> Measurement {
+    let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+    let machine = Machine { plant: plant(), effects };
+    let (kind, input) = (ResponseKind::Velocity, multisine(60, 2.0, rng));
+    let (motion, noise) = moved(kind, machine, None, input);
+    let mut record = motion.record(&noise, SAMPLING, 0.0, rng);
+    spoil(&mut record);
+    let experiment = PeriodicMotion::read(&record, kind, motion.omega_rad_s).unwrap();
+    Measurement::new(Metadata::default(), vec![experiment], Vec::new(), String::new()).unwrap()
+}
+
 fn recorded(
     kind: ResponseKind,
     machine: Machine<'_>,
@@ -118,6 +134,17 @@ fn recorded(
     input: Vec<Complex>,
     rng: &mut ChaCha8Rng,
 ) -> Experiment {
+    let (motion, noise) = moved(kind, machine, course, input);
+    motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap()
+}
+
+/// How a machine moves, and the noise of its record.
+fn moved(
+    kind: ResponseKind,
+    machine: Machine<'_>,
+    course: Option<Intersample>,
+    input: Vec<Complex>,
+) -> (PeriodicMotion, RecordNoise) {
     let (omega_rad_s, samples) = (2.0, SAMPLING.samples as f64);
     let factor = |k: usize| course.map_or(1.0.into(), |course| course.factor(k, samples));
     let driven: Vec<_> = input.iter().enumerate().map(|(k, line)| factor(k) * line).collect();
@@ -128,5 +155,5 @@ fn recorded(
         _ => velocity,
     };
     let noise = RecordNoise { input: 0.0, response: 5e-3 * motion.response_rms(), step: 0.0 };
-    motion.recorded(kind, &noise, SAMPLING, 0.0, rng).unwrap()
+    (motion, noise)
 }

@@ -29,7 +29,7 @@ pub struct Spoilt {
     pub experiment: usize,
     /// The channel.
     pub channel: Channel,
-    /// Index of the first sample, and their number.
+    /// Index of the first sample.
     pub first: usize,
     /// Number of samples.
     pub count: usize,

@@ -41,14 +41,12 @@ mod skew;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
+mod unmended;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 
-use crate::answers::{
-    AsMeasured, Diagnosis, FaultKind, Fit, IdentifyOptions, MeasurementFault, NetworkOptions,
-    PlantRequest, Verdict,
-};
-use crate::identify::{FitSession, IdentifyRequest};
+use crate::answers::{Diagnosis, FaultKind, Fit, MeasurementFault, Verdict};
+use crate::identify::IdentifyRequest;
 use crate::measurement::Measurement;
 
 use super::doubt::{Data, Halt};
@@ -58,13 +56,15 @@ use super::selection::weighting_choice;
 use fault::{are_too_many, is_certain};
 use reached::Reached;
 use suspects::CLEARLY_BETTER;
+use unmended::{as_answered, base_alone};
 
 pub use mending::as_understood;
 
 /// Most rounds of mending the measurement and diagnosing it again.
 const MOST_ROUNDS: usize = 5;
 
-/// Diagnoses a measurement, and looks for faults of it unless the request keeps all of it.
+/// Diagnoses a measurement, and looks for faults of it unless the request keeps all of it. Faults that show
+/// without a model are mended first, whatever explains the rest.
 ///
 /// # Errors
 /// See [`DiagnoseError`].
@@ -73,13 +73,36 @@ pub(super) fn diagnose(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let reached = Reached::of(&part);
-    let as_it_is = || undoubted(measurement, request, reached.rest());
     if request.options.keep_all {
-        return as_it_is();
+        return undoubted(measurement, request, part);
     }
-    let mut faults: Vec<MeasurementFault> =
-        repeats::odd_rows(measurement).into_iter().chain(bad_samples::fault(measurement)).collect();
+    let shown = repeats::odd_rows(measurement).into_iter().chain(bad_samples::fault(measurement));
+    let mut faults: Vec<MeasurementFault> = shown.collect();
+    let mended = mending::mended(measurement, &faults);
+    let Some(mended) = mended.ok().filter(|_| !faults.is_empty()) else {
+        return searched(measurement, request, &part);
+    };
+    let answer = searched(&mended.measurement, request, &part)?;
+    let as_measured = match answer.as_measured {
+        Some(known) => Some(known),
+        None => base_alone(measurement, retest::order(&answer), request, &part),
+    };
+    for found in answer.measurement {
+        fault::add(&mut faults, found);
+    }
+    words::describe(&mut faults, measurement);
+    Ok(Diagnosis { measurement: faults, as_measured, ..answer })
+}
+
+/// Diagnoses a measurement, and looks for faults of it that show beside a model.
+fn searched(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    part: &Part<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let reached = Reached::of(part);
+    let as_it_is = || undoubted(measurement, request, reached.rest());
+    let mut faults = Vec::<MeasurementFault>::new();
     let mut as_measured = None;
     let (mut unexplained, mut mended_only) = (None, None);
     let (mut restored, mut without_regions) = (false, false);
@@ -88,7 +111,7 @@ pub(super) fn diagnose(
         let data = Data { measurement: &mended.measurement, doubted: round < MOST_ROUNDS };
         match weighting_choice::diagnose(data, request, reached.rest()) {
             Ok(answer) if faults.is_empty() => {
-                let quiet = Quiet(&part);
+                let quiet = Quiet(part);
                 let alone = |measurement: &Measurement, request: &IdentifyRequest| {
                     undoubted(measurement, request, Part::of(&quiet)).ok()
                 };
@@ -121,7 +144,7 @@ pub(super) fn diagnose(
                     continue;
                 }
                 if let Some(fewer) =
-                    retest::needed(&faults, measurement, &answer, request, &Quiet(&part))
+                    retest::needed(&faults, measurement, &answer, request, &Quiet(part))
                 {
                     if fewer.is_empty() {
                         break;
@@ -143,7 +166,7 @@ pub(super) fn diagnose(
                 }
                 let as_measured = match as_measured {
                     Some(known) => Some(known),
-                    None => base_alone(measurement, retest::order(&answer), request, &part),
+                    None => base_alone(measurement, retest::order(&answer), request, part),
                 };
                 words::describe(&mut faults, measurement);
                 return Ok(Diagnosis { measurement: faults, as_measured, ..answer });
@@ -247,33 +270,6 @@ fn is_clearly_better(mended: &Diagnosis, whole: &Diagnosis) -> bool {
 /// Whether the answer's best model leaves only noise, and convinces.
 fn is_explained(answer: &Diagnosis) -> bool {
     matches!(answer.verdict, Verdict::Adequate | Verdict::Explained)
-}
-
-/// A complete answer to the measurement as it is.
-fn as_answered(answer: &Diagnosis) -> AsMeasured {
-    AsMeasured {
-        nrmse: answer.base.fit.nrmse,
-        chi2_per_dof: answer.base.fit.chi2_per_dof,
-        causes: answer.causes.iter().map(|cause| cause.effect.clone()).collect(),
-        nrmse_with_causes: answer.extended.as_ref().map(|extended| extended.fit.nrmse),
-    }
-}
-
-/// What the base model of this order leaves of the measurement as it is. Its network would take more time
-/// than it saves.
-fn base_alone(
-    measurement: &Measurement,
-    actuator_order: u8,
-    request: &IdentifyRequest,
-    part: &Part<'_>,
-) -> Option<AsMeasured> {
-    let quietly = Quiet(part);
-    let network = NetworkOptions { enabled: false, ..request.options.network };
-    let options = IdentifyOptions { network, ..request.options };
-    let plant = Some(PlantRequest { actuator_order });
-    let request = IdentifyRequest { plant, options, ..*request };
-    let session = FitSession::new(measurement, &request, &quietly).ok()?;
-    readings::as_measured(&session)
 }
 
 /// Replaces indices of experiments of a mended measurement by those before it was mended.

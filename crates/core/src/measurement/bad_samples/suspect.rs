@@ -12,7 +12,7 @@ const MOST_IN_A_ROW: usize = 8;
 
 /// Bad samples are off by more than this many times what their two sides differ by: after a jump they
 /// are as far off as the sides.
-pub(super) const BEYOND_JUMP: f64 = 2.0;
+const BEYOND_JUMP: f64 = 2.0;
 
 /// Weights of the neighbours of a cubic at distances of one and two, and the ratio of the standard
 /// deviation of the distance from it to that of a sample: √(1 + 2·(2/3)² + 2·(1/6)²).
@@ -28,6 +28,7 @@ const CHANGED_SHARE: f64 = 0.01;
 const MOST_CHANGED: f64 = 0.5;
 
 /// Samples in a row that do not belong.
+#[derive(Clone)]
 pub(super) struct InARow {
     /// Index of the first.
     pub first: usize,
@@ -35,6 +36,14 @@ pub(super) struct InARow {
     pub count: usize,
     /// Largest change by the interpolation.
     pub off: f64,
+}
+
+/// Where a channel is rougher than usual.
+pub(super) struct Rough {
+    /// Samples after whose interpolation it is as smooth as elsewhere.
+    pub rows: Vec<InARow>,
+    /// Number of places where more samples in a row would have to be interpolated than can be bad.
+    pub longer: usize,
 }
 
 /// What is usual in a channel.
@@ -69,8 +78,8 @@ impl Suspects {
     }
 
     /// Interpolates samples that do not belong, where that makes the channel as smooth as elsewhere.
-    pub fn mend(&self, values: &mut [f64]) -> Vec<InARow> {
-        let mut found = Vec::new();
+    pub fn mend(&self, values: &mut [f64]) -> Rough {
+        let (mut rows, mut longer) = (Vec::<InARow>::new(), 0);
         let end = values.len().saturating_sub(2);
         let mut at = 2;
         while at < end {
@@ -81,13 +90,19 @@ impl Suspects {
             match self.mended_near(values, at) {
                 Some(one) => {
                     at = one.first + one.count;
-                    found.push(one);
+                    rows.push(one);
                 }
-                // Whatever this is, it is no bad sample.
-                None => at += MOST_IN_A_ROW,
+                None => {
+                    at += MOST_IN_A_ROW;
+                    longer += 1;
+                }
             }
         }
-        found
+        // Rows so near to one another are one disturbance.
+        let is_near = |a: &InARow, b: &InARow| b.first - (a.first + a.count) <= MOST_IN_A_ROW;
+        let (short, long): (Vec<_>, Vec<_>) =
+            rows.chunk_by(is_near).partition(|disturbance| disturbance.len() == 1);
+        Rough { rows: short.into_iter().flatten().cloned().collect(), longer: longer + long.len() }
     }
 
     /// Interpolates the fewest samples near the first one that stands out, after which none does.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::answers::{Cause, Identification, Unanswered};
 use crate::identify::FitSession;
-use crate::measurement::{Measurement, after_number};
+use crate::measurement::{Measurement, after_number, per_cent};
 
 use super::residuals::sentence::short;
 use super::selection::models::Models;
@@ -94,11 +94,37 @@ pub(super) fn held_input(measurement: &Measurement, causes: &[Cause]) -> Option<
     ))
 }
 
+/// Says that the input may have been cut off, where its samples repeat the ends of its range.
+pub(super) fn cut_off_input(measurement: &Measurement) -> Option<String> {
+    let clipping = measurement.experiments().iter().filter_map(|one| one.clipping.as_deref());
+    let share = clipping.map(|clipping| clipping.input_share).fold(0.0, f64::max);
+    (share > 0.0).then(|| {
+        format!(
+            "{} of the samples of the input are its largest or smallest value: if its channel cuts off \
+             what is larger, measure again with a larger range of this channel, or with a smaller input",
+            per_cent(share)
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::answers::sample;
     use crate::diagnose::fixtures::{multisine_record, plant};
+    use crate::measurement::Clipping;
+
+    #[test]
+    fn an_input_that_repeats_the_end_of_its_range_may_have_been_cut_off() {
+        let record = multisine_record(plant(), &[], None, 1);
+        assert_eq!(cut_off_input(&record), None);
+        let mut experiments = record.experiments().to_vec();
+        let cut = Clipping { filled: None, input_share: 0.44, range: None, response_share: 0.0 };
+        experiments[0].clipping = Some(Box::new(cut));
+        let cut =
+            Measurement::new(record.metadata().clone(), experiments, Vec::new(), String::new());
+        assert!(cut_off_input(&cut.unwrap()).unwrap().starts_with("44 % of the samples"));
+    }
 
     // 512 samples in a period of 2π/2 s.
     #[test]

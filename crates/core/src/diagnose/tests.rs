@@ -33,9 +33,19 @@ pub(super) fn exact() -> Vec<Experiment> {
 
 /// These experiments with noise of 60 dB; `statement` is how the measurement states its noise.
 pub(super) fn noisy(exact: &[Experiment], statement: NoiseStatement, seed: u64) -> Measurement {
+    with_noise(exact, 60.0, statement, seed)
+}
+
+/// These experiments with noise that is so many dB below the largest response.
+pub(super) fn with_noise(
+    exact: &[Experiment],
+    level_db: f64,
+    statement: NoiseStatement,
+    seed: u64,
+) -> Measurement {
     let values = |e: &Experiment| e.response.iter().map(|h| h.value).collect::<Vec<Complex>>();
     let responses: Vec<Vec<Complex>> = exact.iter().map(values).collect();
-    let std = noise_std(&responses, 60.0);
+    let std = noise_std(&responses, level_db);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let experiment = |(experiment, exact): (&Experiment, &Vec<Complex>)| {
         let (response, repeats) = observe(exact, std, statement, &mut rng);

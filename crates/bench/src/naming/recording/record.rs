@@ -14,8 +14,8 @@ use crate::machines::simulator::Effect;
 use crate::naming::dominance::Dominance;
 
 /// Highest harmonic of the response where its samples are changed: what a channel cuts off is all that
-/// there is, and most records have 1024 lines.
-const HARMONICS_OF_SAMPLES: usize = 1000;
+/// its filter passes, and most records have 1023 lines below half the sampling rate.
+const HARMONICS_OF_SAMPLES: usize = 1023;
 /// Half the peak-to-peak value of a multisine, as a multiple of the highest magnitude of a table.
 /// Its root mean square is about a third of that.
 const MULTISINE_MAGNITUDE: f64 = 1.5;

@@ -3,11 +3,11 @@
 //! A fault is found beside one effect at most. Where a second one is found in the mended measurement,
 //! it may explain what was taken for a fault. And in a wrong local minimum a right effect may leave rows
 //! unexplained. So the final model is fitted to the measurement with the faults, from several starts:
-//! if it leaves only noise there, they are none.
+//! if it leaves only noise there, and they would explain no more of that than chance does, they are none.
 
 use crate::answers::{Diagnosis, FaultKind, MeasurementFault, PlantRequest};
 use crate::effects;
-use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Model};
+use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Intervals, Model};
 use crate::measurement::Measurement;
 use crate::observer::Observer;
 
@@ -16,8 +16,10 @@ use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::search::fitter::Fitter;
 use crate::diagnose::selection::evidence::NoiseScale;
 
-use super::fault::is_certain;
+use super::family::Family;
+use super::fault::{self, is_certain};
 use super::mending;
+use super::scan::Scan;
 
 /// The faults that are needed beside the effects of an answer, which may explain all others or one of
 /// them; `None` if all are. The size of the noise no effect explains.
@@ -36,26 +38,20 @@ pub(super) fn needed(
     groups
         .map(|group| {
             let kept = (0..faults.len()).filter(|i| !group.contains(i));
-            kept.map(|i| faults[i].clone()).collect::<Vec<_>>()
+            (kept.map(|i| faults[i].clone()).collect(), group.iter().map(|i| &faults[*i]).collect())
         })
-        .find(|kept| !needs(measurement, kept, answer, request, observer))
+        .find(|(kept, others): &(Vec<MeasurementFault>, Vec<&MeasurementFault>)| {
+            are_needed(others, kept, measurement, answer, request, observer) == Some(false)
+        })
+        .map(|(kept, _)| kept)
 }
 
 /// Whether the model of an answer, fitted to the measurement with only the `kept` faults mended,
-/// leaves more than noise.
-fn needs(
-    measurement: &Measurement,
+/// leaves more than noise, or more than chance of what the others explain.
+fn are_needed(
+    others: &[&MeasurementFault],
     kept: &[MeasurementFault],
-    answer: &Diagnosis,
-    request: &IdentifyRequest,
-    observer: &dyn Observer,
-) -> bool {
-    is_noise(measurement, kept, answer, request, observer) != Some(true)
-}
-
-fn is_noise(
     measurement: &Measurement,
-    kept: &[MeasurementFault],
     answer: &Diagnosis,
     request: &IdentifyRequest,
     observer: &dyn Observer,
@@ -74,15 +70,29 @@ fn is_noise(
     }
     let model = session.at_reported(&model, answer.extended.as_ref()?)?;
     let model = session.refine(&model, FitAccuracy::Settle);
-    let is_noise = |model: &Model| discrepancy::leaves_noise(&session, model, request.options.seed);
+    let seed = request.options.seed;
+    let is_noise = |model: &Model| discrepancy::leaves_noise(&session, model, seed);
     if is_noise(&model) {
-        return Some(true);
+        return Some(show(others, &session, &model, seed));
     }
     // The model may be in a local minimum that only the data without the faults speak for.
     let (part, noise_scale) = (Part::of(observer), NoiseScale::of(&session));
     let fitter = Fitter { session: &session, part, noise_scale, starts: 1, followed: 1 };
     let begin = &mut |restarts| part.stage("further starts", restarts);
-    fitter.leave_local_minimum(&model, &is_noise, begin).map(|found| is_noise(&found))
+    let found = fitter.leave_local_minimum(&model, &is_noise, begin)?;
+    Some(!is_noise(&found) || show(others, &session, &found, seed))
+}
+
+/// Whether one of these faults of a table explains more than chance of what a model leaves.
+fn show(faults: &[&MeasurementFault], session: &FitSession<'_>, model: &Model, seed: u64) -> bool {
+    let judged = session.has_cosines_alone().then(|| session.judge(model, Intervals::Curvature));
+    let (Some(Ok(fit)), Some(cost)) = (judged, session.cost(model)) else { return false };
+    let NoiseScale { dof, known, .. } = NoiseScale::of(session);
+    let scan = Scan::new(&fit, cost, dof, known);
+    let candidates = scan.candidates();
+    let family = Family::of(&fit, &candidates, seed);
+    let found = scan.select(&candidates, &family).faults;
+    found.iter().any(|(new, _)| faults.iter().any(|fault| fault::place(fault) == fault::place(new)))
 }
 
 /// Order of the actuator in an answer.

@@ -6,7 +6,7 @@ use std::f64::consts::SQRT_2;
 
 use super::*;
 use crate::answers::{FaultKind, IdentifyOptions, sample};
-use crate::diagnose::tests::{exact, noisy, request};
+use crate::diagnose::tests::{exact, noisy, request, with_noise};
 use crate::machines::draw::{Draw, NoiseStatement, measure};
 use crate::machines::simulator::Effect;
 use crate::measurement::{Complex, Experiment, Harmonic, Metadata};

@@ -108,6 +108,9 @@ impl ReportAssembly<'_> {
             |extended| causes::named(models, chosen, extended, self.fits, measurement.metadata());
         let mut causes = extended.as_ref().map(named).unwrap_or_default();
         limitations.extend(crate::diagnose::limitations::held_input(measurement, &causes));
+        if !self.explained {
+            limitations.extend(crate::diagnose::limitations::cut_off_input(measurement));
+        }
         for cause in &mut causes {
             cause.gain = match chosen.len() {
                 1 => gain.clone(),

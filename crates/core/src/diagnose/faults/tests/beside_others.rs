@@ -19,6 +19,25 @@ fn peak_to_peak_values_are_told_by_the_means_beside_an_effect_too() {
     }
 }
 
+// The means are only some ten deviations large: with the effect alone all tests of noise are passed.
+#[test]
+fn a_fault_that_all_tests_of_noise_overlook_is_named_beside_an_effect() {
+    let sound = with_noise(&exact(), 45.0, NoiseStatement::Std, 30);
+    let mut experiments = sound.experiments().to_vec();
+    for experiment in &mut experiments {
+        let late = -(experiment.omega_rad_s * 0.02).to_degrees();
+        for harmonic in &mut experiment.response {
+            turned(harmonic, late);
+            scaled(harmonic, if harmonic.order > 0 { 0.5_f64.sqrt() } else { 1.0 });
+        }
+    }
+    let answer = answer(&of(experiments));
+    let faults: Vec<_> = answer.measurement.iter().map(|f| (f.fault, f.value)).collect();
+    assert_eq!(faults, [(FaultKind::AmplitudeConvention, Some(SQRT_2))]);
+    let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
+    assert_eq!(causes, ["transport_delay"]);
+}
+
 #[test]
 fn a_row_that_stands_out_is_left_out_though_something_unknown_is_wrong_too() {
     // What no effect does: every third frequency has another third harmonic.

@@ -124,10 +124,14 @@ pub(super) fn is_certain(fault: &MeasurementFault) -> bool {
 }
 
 /// Whether there are more faults than [`MOST_ACCEPTED`] beside those that are certain and, if effects
-/// are named, a `std` wrong by a factor, which follows nothing.
+/// are named, a `std` wrong by a factor, which follows nothing. One experiment that is wrong counts with
+/// the rows that are: neither follows what a library lacks over several experiments.
 pub(super) fn are_too_many(faults: &[MeasurementFault], beside_effects: bool) -> bool {
-    let is_free = |fault: &MeasurementFault| {
-        is_certain(fault) || beside_effects && fault.fault == FaultKind::StdFactor
+    let has_wrong_experiment = faults.iter().any(|fault| fault.experiment.is_some());
+    let is_free = |fault: &MeasurementFault| match fault.fault {
+        FaultKind::StdFactor => beside_effects,
+        FaultKind::BadRows if has_wrong_experiment => true,
+        _ => is_certain(fault),
     };
     let counted = faults.iter().filter(|fault| !is_free(fault)).count();
     counted > MOST_ACCEPTED - usize::from(beside_effects)
@@ -146,6 +150,17 @@ mod tests {
         assert!(!are_too_many(&of(&[gain, phase]), false));
         assert!(are_too_many(&of(&[gain, phase, FaultKind::StdFactor]), false));
         assert!(!are_too_many(&of(&[gain, phase, FaultKind::Conjugated]), false));
+    }
+
+    #[test]
+    fn wrong_rows_and_one_wrong_experiment_are_no_more_than_one_fault() {
+        let rows = MeasurementFault::of(FaultKind::BadRows);
+        let run = |experiment| {
+            let experiment = Some(experiment);
+            MeasurementFault { experiment, ..MeasurementFault::of(FaultKind::RunGain) }
+        };
+        assert!(!are_too_many(&[rows.clone(), run(3)], true));
+        assert!(are_too_many(&[rows, run(3), run(5)], true));
     }
 
     #[test]

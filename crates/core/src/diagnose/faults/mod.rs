@@ -87,7 +87,8 @@ pub(super) fn diagnose(
         Some(known) => Some(known),
         None => base_alone(measurement, retest::order(&answer), request, &part),
     };
-    for found in answer.measurement {
+    for mut found in answer.measurement {
+        renumber(&mut found, &mended.experiments);
         fault::add(&mut faults, found);
     }
     words::describe(&mut faults, measurement);

@@ -83,10 +83,8 @@ pub(super) fn diagnose(
         return searched(measurement, request, &part);
     };
     let answer = searched(&mended.measurement, request, &part)?;
-    let as_measured = match answer.as_measured {
-        Some(known) => Some(known),
-        None => base_alone(measurement, retest::order(&answer), request, &part),
-    };
+    // What is known without the other faults is known of the mended measurement only.
+    let as_measured = base_alone(measurement, retest::order(&answer), request, &part);
     for mut found in answer.measurement {
         renumber(&mut found, &mended.experiments);
         fault::add(&mut faults, found);

@@ -154,7 +154,15 @@ mod tests {
 
     #[test]
     fn wrong_rows_and_one_wrong_experiment_are_no_more_than_one_fault() {
-        let rows = MeasurementFault::of(FaultKind::BadRows);
+        let row = LeftOutRow {
+            experiment: 1,
+            harmonic: 1,
+            repeat: None,
+            line: None,
+            off: 0.2,
+            sigmas: 20.0,
+        };
+        let rows = bad_rows(std::iter::once(row));
         let run = |experiment| {
             let experiment = Some(experiment);
             MeasurementFault { experiment, ..MeasurementFault::of(FaultKind::RunGain) }

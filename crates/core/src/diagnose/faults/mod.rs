@@ -78,8 +78,10 @@ pub(super) fn diagnose(
     }
     let shown = repeats::odd_rows(measurement).into_iter().chain(bad_samples::fault(measurement));
     let mut faults: Vec<MeasurementFault> = shown.collect();
-    let mended = mending::mended(measurement, &faults);
-    let Some(mended) = mended.ok().filter(|_| !faults.is_empty()) else {
+    if faults.is_empty() {
+        return searched(measurement, request, &part);
+    }
+    let Ok(mended) = mending::mended(measurement, &faults) else {
         return searched(measurement, request, &part);
     };
     let answer = searched(&mended.measurement, request, &part)?;

@@ -34,20 +34,21 @@ pub(super) fn needed(
         |fault: &MeasurementFault| !is_certain(fault) && fault.fault != FaultKind::StdFactor;
     let asked: Vec<usize> = (0..faults.len()).filter(|i| is_asked(&faults[*i])).collect();
     let each = asked.iter().filter(|_| asked.len() > 1).map(|i| vec![*i]);
-    let groups = std::iter::once(asked.clone()).filter(|all| !all.is_empty()).chain(each);
-    groups
-        .map(|group| {
-            let kept = (0..faults.len()).filter(|i| !group.contains(i));
-            (kept.map(|i| faults[i].clone()).collect(), group.iter().map(|i| &faults[*i]).collect())
-        })
-        .find(|(kept, others): &(Vec<MeasurementFault>, Vec<&MeasurementFault>)| {
-            are_needed(others, kept, measurement, answer, request, observer) == Some(false)
-        })
-        .map(|(kept, _)| kept)
+    let mut groups = std::iter::once(asked.clone()).filter(|all| !all.is_empty()).chain(each);
+    let kept = |group: &[usize]| -> Vec<MeasurementFault> {
+        let indices = (0..faults.len()).filter(|i| !group.contains(i));
+        indices.map(|i| faults[i].clone()).collect()
+    };
+    let is_superfluous = |group: &Vec<usize>| {
+        let others: Vec<&MeasurementFault> = group.iter().map(|i| &faults[*i]).collect();
+        are_needed(&others, &kept(group), measurement, answer, request, observer) == Some(false)
+    };
+    groups.find(is_superfluous).map(|group| kept(&group))
 }
 
 /// Whether the model of an answer, fitted to the measurement with only the `kept` faults mended,
-/// leaves more than noise, or more than chance of what the others explain.
+/// leaves more than noise, or more of what the others explain than chance does; `None` if nothing can be
+/// said.
 fn are_needed(
     others: &[&MeasurementFault],
     kept: &[MeasurementFault],

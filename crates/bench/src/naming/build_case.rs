@@ -118,7 +118,15 @@ fn mismade(case: &Case, sound: Made, rng: &mut ChaCha8Rng) -> Result<Made, MakeE
         Some(recording) if sort.is_of_samples() => {
             Mistake::in_samples(sort, &sound, recording, rng).ok_or(MakeError::Unreachable)?
         }
-        _ => Mistake::make(sort, sound.measurement, &sound.noise, rng).map_err(DrawError::from)?,
+        recording => {
+            // Of records no rows are made wrong.
+            let exact = match recording {
+                None => sound.exact()?,
+                Some(_) => sound.measurement.clone(),
+            };
+            Mistake::make(sort, sound.measurement, &exact, &sound.noise, rng)
+                .map_err(DrawError::from)?
+        }
     };
     Ok(Made { mistake: Some(mistake), measurement, ..sound })
 }

@@ -45,7 +45,7 @@ pub struct Mismeasured {
 /// Numbers of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct RowCounts {
-    /// Bad rows whose error exceeds five standard deviations.
+    /// Bad rows whose residual exceeds five standard deviations.
     pub detectable: u32,
     /// Those of them that are left out.
     pub found: u32,

@@ -177,17 +177,19 @@ pub struct Mistake {
 }
 
 impl Mistake {
-    /// Draws a fault of this sort in a measurement; returns it and the measurement with it.
+    /// Draws a fault of this sort in a measurement, of which `exact` has no noise; returns it and the
+    /// measurement with it.
     ///
     /// # Errors
     /// See [`Mismeasurement::apply`].
     pub(super) fn make(
         sort: Sort,
         sound: Measurement,
+        exact: &Measurement,
         law: &NoiseLaw,
         rng: &mut ChaCha8Rng,
     ) -> Result<(Self, Measurement), InvalidMeasurement> {
-        let fault = Mismeasurement::draw(sort, &sound, law, rng);
+        let fault = Mismeasurement::draw(sort, [&sound, exact], law, rng);
         let faulty = fault.apply(&sound)?;
         let shows = fault.shows(&sound, &faulty, law);
         Ok((Self { sort, fault, shows, sound }, faulty))

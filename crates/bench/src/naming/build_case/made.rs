@@ -69,6 +69,15 @@ impl Made {
         self.hidden.iter().any(|hidden| hidden.effect == effect)
     }
 
+    /// The table without noise, which states the noise that the measurement has; of a record, what a table
+    /// of the same points would be.
+    ///
+    /// # Errors
+    /// See [`DrawError`].
+    pub fn exact(&self) -> Result<Measurement, DrawError> {
+        self.instrument.responses(&self.machine, &Settings::default())?.stating(&self.noise)
+    }
+
     /// The effect of the library that alone imitates the single hidden one best; `None` unless
     /// exactly one effect is hidden.
     ///
@@ -76,9 +85,7 @@ impl Made {
     /// See [`MakeError`].
     pub fn nearest_rival(&self) -> Result<Option<Nearest>, MakeError> {
         let [hidden] = self.hidden.as_slice() else { return Ok(None) };
-        let responses = self.instrument.responses(&self.machine, &Settings::default())?;
-        let exact = responses.stating(&self.noise)?;
-        let rivals = Rivals::ask(&exact, self.machine.plant.actuator.order())?;
+        let rivals = Rivals::ask(&self.exact()?, self.machine.plant.actuator.order())?;
         Ok(rivals.nearest_to(hidden.effect))
     }
 }

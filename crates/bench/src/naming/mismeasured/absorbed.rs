@@ -1,7 +1,6 @@
 //! Whether the model of a machine can take a fault of its measurement into its own parameters.
 
 use crate::machines::draw::DrawError;
-use crate::machines::simulator::Settings;
 use crate::naming::build_case::{Made, MakeError};
 use crate::naming::mismeasurement::Mismeasurement;
 use crate::naming::rivals::Rivals;
@@ -22,9 +21,7 @@ impl Made {
         if !moves_all || self.hidden.len() > 1 || self.instrument.recording.is_some() {
             return Ok(None);
         }
-        let responses = self.instrument.responses(&self.machine, &Settings::default())?;
-        let faulty =
-            mistake.fault.apply(&responses.stating(&self.noise)?).map_err(DrawError::from)?;
+        let faulty = mistake.fault.apply(&self.exact()?).map_err(DrawError::from)?;
         let fits = Rivals::ask(&faulty, self.machine.plant.actuator.order())?;
         let left = match self.hidden.as_slice() {
             [hidden] => fits.excess_with(hidden.effect),

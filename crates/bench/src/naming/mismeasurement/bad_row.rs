@@ -12,7 +12,7 @@ use crate::machines::noise::NoiseLaw;
 
 /// Smallest and largest error of a bad row, as a share of its value.
 const ERROR: [f64; 2] = [0.05, 0.5];
-/// A row is detectable if its error exceeds this many standard deviations.
+/// A row is detectable if its residual exceeds this many standard deviations.
 pub(super) const DETECTABLE_SIGMAS: f64 = 5.0;
 
 /// A row whose value is wrong.
@@ -26,36 +26,38 @@ pub struct BadRow {
     pub repeat: Option<usize>,
     /// Factor by which the value is wrong.
     pub factor: f64,
-    /// Size of the error, in true standard deviations of re or im of this row.
+    /// Size of its residual, the distance of the wrong value with its noise from the exact one, in true
+    /// standard deviations of re or im of this row.
     pub sigmas: f64,
 }
 
 impl BadRow {
     /// Draws a share of the rows, at least one, with errors of either sign and a log-uniform size.
-    /// Of an experiment with repeats every repeat has its rows.
+    /// Of an experiment with repeats every repeat has its rows. `exact` is the measurement without noise.
     pub(super) fn draw(
         share: f64,
-        measurement: &Measurement,
+        [measurement, exact]: [&Measurement; 2],
         law: &NoiseLaw,
         rng: &mut ChaCha8Rng,
     ) -> Vec<Self> {
-        let rows = rows(measurement, law);
+        let rows = rows([measurement, exact], law);
         let count = (share * rows.len() as f64).round().max(1.0) as usize;
-        let with_value: Vec<Row> = rows.into_iter().filter(|row| row.size > 0.0).collect();
+        let with_value: Vec<Row> = rows.into_iter().filter(|row| row.value.norm() > 0.0).collect();
         let mut chosen: Vec<Row> = with_value.sample(rng, count).copied().collect();
         chosen.sort_by_key(|row| (row.experiment, row.harmonic, row.repeat));
         let bad = |row: Row| {
             let [least, most] = ERROR;
             let error = log_uniform(least, most, rng);
             let sign = if rng.random() { 1.0 } else { -1.0 };
-            let Row { experiment, harmonic, repeat, size, std } = row;
-            let sigmas = error * size / std;
-            Self { experiment, harmonic, repeat, factor: 1.0 + sign * error, sigmas }
+            let Row { experiment, harmonic, repeat, value, exact, std } = row;
+            let factor = 1.0 + sign * error;
+            let sigmas = (value * factor - exact).norm() / std;
+            Self { experiment, harmonic, repeat, factor, sigmas }
         };
         chosen.into_iter().map(bad).collect()
     }
 
-    /// Whether the noise does not hide the error.
+    /// Whether the noise does not hide that it is wrong.
     pub fn is_detectable(&self) -> bool {
         self.sigmas > DETECTABLE_SIGMAS
     }
@@ -87,26 +89,28 @@ impl BadRow {
     }
 }
 
-/// A row as it was measured, with the size and the true standard deviation of its value, response
+/// A row: its value as it was measured, that without noise, and the true standard deviation; response
 /// units.
 #[derive(Clone, Copy)]
 struct Row {
     experiment: usize,
     harmonic: usize,
     repeat: Option<usize>,
-    size: f64,
+    value: Complex,
+    exact: Complex,
     std: f64,
 }
 
-fn rows(measurement: &Measurement, law: &NoiseLaw) -> Vec<Row> {
+fn rows([measurement, exact]: [&Measurement; 2], law: &NoiseLaw) -> Vec<Row> {
     let mut rows = Vec::new();
     for (experiment, measured) in measurement.experiments().iter().enumerate() {
         for (place, mean) in measured.response.iter().enumerate() {
-            let mean_std = law.std_of(mean.value.norm());
+            let harmonic = mean.order;
+            let exact = exact.experiments()[experiment].response[place].value;
             let mut add = |repeat: Option<usize>, value: Complex, std: f64| {
-                let (harmonic, size) = (mean.order, value.norm());
-                rows.push(Row { experiment, harmonic, repeat, size, std });
+                rows.push(Row { experiment, harmonic, repeat, value, exact, std });
             };
+            let mean_std = law.std_of(exact.norm());
             if measured.repeats.is_empty() {
                 add(None, mean.value, mean_std);
             }
@@ -125,16 +129,17 @@ mod tests {
 
     use rand::SeedableRng;
 
-    use super::super::fixtures::{LAW, table};
+    use super::super::fixtures::{LAW, exact_table, table};
     use super::*;
 
     fn drawn(share: f64, repeats: usize) -> Vec<BadRow> {
-        BadRow::draw(share, &table(repeats), &LAW, &mut ChaCha8Rng::seed_from_u64(3))
+        let measurements = [&table(repeats), &exact_table()];
+        BadRow::draw(share, measurements, &LAW, &mut ChaCha8Rng::seed_from_u64(3))
     }
 
     #[test]
     fn as_many_different_rows_are_drawn_as_the_share_asks_for_and_at_least_one() {
-        let rows = |measurement: &Measurement| rows(measurement, &LAW).len() as f64;
+        let rows = |measured: &Measurement| rows([measured, &exact_table()], &LAW).len() as f64;
         for repeats in [0, 3] {
             let all = rows(&table(repeats));
             let bad = drawn(0.2, repeats);
@@ -157,15 +162,16 @@ mod tests {
     }
 
     #[test]
-    fn the_error_of_a_repeat_is_relative_to_the_noise_of_one_repeat() {
+    fn the_residual_of_a_repeat_is_relative_to_the_noise_of_one_repeat() {
         for repeats in [0, 4] {
             let measurement = table(repeats);
             for row in drawn(0.5, repeats) {
                 let mut experiment = measurement.experiments()[row.experiment].clone();
-                let before = value(&experiment, &row);
                 row.spoil(&mut experiment);
+                let exact = exact_table().experiments()[row.experiment].clone();
+                let exact = exact.harmonic(row.harmonic).unwrap().value;
                 let std = LAW.floor * (repeats.max(1) as f64).sqrt();
-                let sigmas = (value(&experiment, &row) - before).norm() / std;
+                let sigmas = (value(&experiment, &row) - exact).norm() / std;
                 assert!((row.sigmas / sigmas - 1.0).abs() < 1e-9, "{row:?} {sigmas}");
             }
         }

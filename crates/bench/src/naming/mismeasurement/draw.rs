@@ -24,7 +24,8 @@ const SKEW_DEGREES: [f64; 2] = [2.0, 20.0];
 const EXCITED_SHARE: f64 = 0.02;
 
 impl Mismeasurement {
-    /// Draws a fault of this sort in a measurement whose noise has this law. Sizes are log-uniform
+    /// Draws a fault of this sort in a measurement whose noise has this law; `exact` is the measurement
+    /// without noise, with which bad rows are compared. Sizes are log-uniform
     /// and have either sign:
     ///
     /// | quantity | range |
@@ -36,10 +37,16 @@ impl Mismeasurement {
     /// | error of the phase of a level or an experiment | 2 … 10° |
     /// | … of an experiment that is a record, at the highest line of its input | 2 … 20° |
     /// | skew (always ahead), at the highest fundamental | 2 … 20° |
-    pub fn draw(sort: Sort, sound: &Measurement, law: &NoiseLaw, rng: &mut ChaCha8Rng) -> Self {
+    pub fn draw(
+        sort: Sort,
+        [sound, exact]: [&Measurement; 2],
+        law: &NoiseLaw,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        let mut bad_rows = |share| BadRow::draw(share, [sound, exact], law, rng);
         match sort {
-            Sort::OneBadRowInAHundred => Self::BadRows(BadRow::draw(0.01, sound, law, rng)),
-            Sort::FiveBadRowsInAHundred => Self::BadRows(BadRow::draw(0.05, sound, law, rng)),
+            Sort::OneBadRowInAHundred => Self::BadRows(bad_rows(0.01)),
+            Sort::FiveBadRowsInAHundred => Self::BadRows(bad_rows(0.05)),
             Sort::StdFactor => Self::StdFactor { factor: std_factor(rng) },
             Sort::LevelGain => Self::LevelGain {
                 magnitude: magnitude(sound, rng),
@@ -130,7 +137,7 @@ mod tests {
     fn drawn(sort: Sort) -> Vec<Mismeasurement> {
         let rng = &mut ChaCha8Rng::seed_from_u64(5);
         let sound = table(0);
-        (0..200).map(|_| Mismeasurement::draw(sort, &sound, &LAW, rng)).collect()
+        (0..200).map(|_| Mismeasurement::draw(sort, [&sound; 2], &LAW, rng)).collect()
     }
 
     /// Checks that sizes lie between these two, come near to both and have both signs.

@@ -12,6 +12,15 @@ pub(super) const LAW: NoiseLaw = NoiseLaw { floor: 0.01, share: 0.0 };
 /// Three magnitudes at four frequencies, harmonics 0 to 3, with this number of repeats; 0: with a
 /// standard deviation of every harmonic.
 pub(super) fn table(repeats: usize) -> Measurement {
+    with_noise(LAW, repeats)
+}
+
+/// The same without noise.
+pub(super) fn exact_table() -> Measurement {
+    with_noise(NoiseLaw::uniform(0.0), 0)
+}
+
+fn with_noise(law: NoiseLaw, repeats: usize) -> Measurement {
     let statement = match repeats {
         0 => NoiseStatement::Std,
         count => NoiseStatement::Repeats(count),
@@ -22,7 +31,7 @@ pub(super) fn table(repeats: usize) -> Measurement {
         for omega_rad_s in [1.0, 3.0, 9.0, 27.0] {
             let exact = [(0.1, 0.0), (2.0, -1.0), (0.2, 0.1), (0.3, 0.4)];
             let exact = exact.map(|(re, im)| Complex::new(re, im) * magnitude);
-            let (response, repeats) = LAW.observe(&exact, statement, rng);
+            let (response, repeats) = law.observe(&exact, statement, rng);
             experiments.push(Experiment {
                 magnitude,
                 omega_rad_s,

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use crate::answers::{FaultKind, MeasurementFault};
 use crate::identify::DatumChange;
 use crate::measurement::{
-    Complex, Experiment, Harmonic, Intersample, InvalidMeasurement, Measurement, Repeat,
-    ResponseKind,
+    Complex, Experiment, Intersample, InvalidMeasurement, Measurement, ResponseKind,
 };
 
+use super::repeats_left_out::without_repeats;
 use super::{bad_samples, clipping};
 
 /// Two magnitudes are the same if they differ by less than this, relative.
@@ -179,59 +179,6 @@ fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
     values.retain(|_| *kept.next().unwrap_or(&true));
 }
 
-/// The experiment without the repeats that have a row to be left out, its means computed again.
-fn without_repeats(
-    index: usize,
-    experiment: &Experiment,
-    faults: &[MeasurementFault],
-) -> Experiment {
-    let rows = faults.iter().flat_map(|fault| &fault.left_out);
-    let left_out: Vec<usize> =
-        rows.filter(|row| row.experiment == index).filter_map(|row| row.repeat).collect();
-    let rest: Vec<&Repeat> = experiment
-        .repeats
-        .iter()
-        .enumerate()
-        .filter(|(repeat, _)| !left_out.contains(repeat))
-        .map(|(_, repeat)| repeat)
-        .collect();
-    if left_out.is_empty() || rest.len() < 2 {
-        return experiment.clone();
-    }
-    let count = rest.len() as f64;
-    let mean =
-        |of: &dyn Fn(&Repeat) -> Complex| rest.iter().map(|r| of(r)).sum::<Complex>() / count;
-    let response: Vec<Complex> =
-        (0..experiment.response.len()).map(|i| mean(&|repeat| repeat.response[i])).collect();
-    let shift = |i: usize| mean(&|repeat| repeat.input.get(i).copied().unwrap_or(Complex::ZERO));
-    let input: Vec<Complex> = (0..experiment.input.len()).map(shift).collect();
-    let less = |values: &[Complex], mean: &[Complex]| -> Vec<Complex> {
-        values.iter().zip(mean).map(|(value, mean)| value - mean).collect()
-    };
-    let ratio = (experiment.repeats.len() as f64 / count).sqrt();
-    Experiment {
-        input: experiment.input.iter().zip(&input).map(|(u, shift)| u + shift).collect(),
-        response: experiment
-            .response
-            .iter()
-            .zip(&response)
-            .map(|(harmonic, shift)| Harmonic {
-                value: harmonic.value + shift,
-                std: harmonic.std.map(|std| std * ratio),
-                ..*harmonic
-            })
-            .collect(),
-        repeats: rest
-            .iter()
-            .map(|repeat| Repeat {
-                input: less(&repeat.input, &input),
-                response: less(&repeat.response, &response),
-            })
-            .collect(),
-        ..experiment.clone()
-    }
-}
-
 /// The measurement as an answer understands it, with its rows that were left out: what a figure
 /// shows beside the model.
 ///
@@ -292,20 +239,6 @@ mod tests {
         let after = mended(&before, &all).unwrap();
         assert_eq!(after.measurement.experiments().len(), before.experiments().len() - 1);
         assert_eq!(after.experiments[..4], [0, 1, 3, 4]);
-    }
-
-    #[test]
-    fn without_a_repeat_the_mean_is_that_of_the_others_and_they_deviate_from_it() {
-        let before = measurement();
-        let after = mended(&before, &[row(4, 1, Some(0))]).unwrap();
-        let (old, new) = (&before.experiments()[4], &after.measurement.experiments()[4]);
-        assert_eq!(new.repeats.len(), 2);
-        let value =
-            |e: &Experiment, repeat: usize| e.response[3].value + e.repeats[repeat].response[3];
-        let mean = (value(old, 1) + value(old, 2)) / 2.0;
-        // A few roundings.
-        assert!((new.response[3].value - mean).norm() < 1e-14 * mean.norm());
-        assert!((value(new, 0) - value(old, 1)).norm() < 1e-14 * mean.norm());
     }
 
     #[test]

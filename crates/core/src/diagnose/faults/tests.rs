@@ -5,7 +5,7 @@ mod beside_others;
 use std::f64::consts::SQRT_2;
 
 use super::*;
-use crate::answers::{FaultKind, IdentifyOptions, sample};
+use crate::answers::{FaultKind, IdentifyOptions, Verdict};
 use crate::diagnose::tests::{exact, noisy, request, with_noise};
 use crate::machines::draw::{Draw, NoiseStatement, measure};
 use crate::machines::simulator::Effect;
@@ -261,28 +261,4 @@ fn a_row_is_not_left_out_where_an_effect_explains_it_about_as_well() {
     let row = &rival.left_out[0];
     assert_eq!((rival.fault, row.experiment, row.harmonic), (FaultKind::BadRows, 12, 1));
     assert!(!rival.sentence.contains("left out"), "{}", rival.sentence);
-}
-
-#[test]
-fn a_mended_measurement_is_clearly_better_by_its_evidence_and_not_by_what_is_left_out() {
-    let mended = sample::diagnosis();
-    let leaving = |times: f64| {
-        let mut whole = sample::diagnosis();
-        whole.base.fit.chi2 = mended.base.fit.chi2.map(|chi2| times * chi2);
-        whole
-    };
-    // Of 840 degrees of freedom 840 ln 1.27 is 200.8, and 840 ln 1.26 is 194.
-    assert!(is_clearly_better(&mended, &leaving(1.27)));
-    assert!(!is_clearly_better(&mended, &leaving(1.26)));
-    let equally_weighted = Diagnosis { base: without_chi2(&mended), ..mended.clone() };
-    assert!(!is_clearly_better(&mended, &equally_weighted));
-    let kinds = [FaultKind::LevelPhase, FaultKind::ChannelSkew];
-    assert!(kinds.iter().all(|kind| changes_all_alike(&MeasurementFault::of(*kind))));
-    assert!(!changes_all_alike(&MeasurementFault::of(FaultKind::StdFactor)));
-}
-
-fn without_chi2(answer: &Diagnosis) -> crate::answers::Identification {
-    let mut base = answer.base.clone();
-    base.fit.chi2 = None;
-    base
 }

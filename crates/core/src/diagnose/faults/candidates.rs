@@ -4,8 +4,6 @@
 //! by anything in that row alone, another gain of one level by the simulated response at that
 //! level, another phase by j·k times that response.
 
-use std::f64::consts::LN_2;
-
 use crate::answers::FaultKind;
 use crate::measurement::Complex;
 
@@ -14,11 +12,9 @@ use crate::diagnose::residuals::layout::{Cell, Layout};
 /// −2 ln of the prior odds of a fault of one kind, as that of an effect.
 pub(super) const FAULT_COST: f64 = 6.0;
 
-/// Prior standard deviations: of a gain, relative; of a phase, rad; of the logarithm of a factor
-/// between the mean and the harmonics.
+/// Prior standard deviations: of a gain, relative; of a phase, rad.
 const GAIN_DEVIATION: f64 = 0.1;
 pub(super) const PHASE_DEVIATION: f64 = 0.1;
-const MEAN_DEVIATION: f64 = LN_2;
 
 /// Fewest experiments of a level that can be told from the others, and fewest rows of one
 /// experiment.
@@ -104,7 +100,6 @@ pub(super) fn all(layout: &Layout) -> Vec<Candidate> {
         candidates.push(gain(FaultKind::RunGain, Place::Run(*experiment), &inside, price));
         candidates.push(phase(FaultKind::RunPhase, Place::Run(*experiment), &inside, price));
     }
-    candidates.extend(means(&cells));
     candidates.extend(skew(&cells));
     candidates
 }
@@ -146,22 +141,6 @@ pub(super) fn gain(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -
 pub(super) fn phase(kind: FaultKind, place: Place, cells: &[&Cell], price: f64) -> Candidate {
     let columns = vec![column(cells, |cell| turned(cell, 1.0))];
     Candidate { kind, place, columns, deviation: Some(PHASE_DEVIATION), price, positive: false }
-}
-
-/// The means against the harmonics, if both were measured: an rms value differs from a peak value, but a
-/// mean does not. The parameter v says that the means are 1 − v of what was measured, in units of the
-/// harmonics. What was measured is the direction, since what is simulated is a compromise: the even
-/// harmonics depend on the same difference in friction.
-fn means(cells: &[&Cell]) -> Option<Candidate> {
-    let means: Vec<&Cell> = cells.iter().filter(|cell| cell.order == 0).copied().collect();
-    (!means.is_empty() && means.len() < cells.len()).then(|| Candidate {
-        kind: FaultKind::AmplitudeConvention,
-        place: Place::All,
-        columns: vec![column(&means, |cell| cell.measured)],
-        deviation: Some(MEAN_DEVIATION),
-        price: FAULT_COST,
-        positive: false,
-    })
 }
 
 /// A response that is ahead of its input; the parameter is the time, in units of the largest

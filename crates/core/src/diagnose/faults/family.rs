@@ -18,6 +18,7 @@ use crate::diagnose::residuals::null_distribution::NullDistribution;
 use crate::diagnose::residuals::residual::Residuals;
 
 use super::candidates::Candidate;
+use super::convention;
 use super::projection::Outside;
 
 /// Number of draws of noise.
@@ -68,7 +69,8 @@ impl Family {
         let mut kinds: Vec<FaultKind> = outside.iter().map(|(kind, _)| *kind).collect();
         kinds.sort_unstable();
         kinds.dedup();
-        let level = LEVEL / (kinds.len() + 1) as f64;
+        // The convention of the amplitudes and the size of the noise are kinds, too.
+        let level = LEVEL / (kinds.len() + 2) as f64;
         let limit = |kind: FaultKind| {
             let gains = draws.iter().filter_map(|(largest, _)| largest.get(&kind).copied());
             (kind, NullDistribution::new(gains.collect()).limit(level))
@@ -84,6 +86,11 @@ impl Family {
     /// By how much a fault must lower χ²; infinite for one that cannot show.
     pub fn limit(&self, kind: FaultKind) -> f64 {
         self.limits.get(&kind).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// By how much another convention of the amplitudes must lower χ².
+    pub fn convention_limit(&self) -> f64 {
+        convention::limit(self.level)
     }
 
     /// By how much a row must lower χ² where so many are left out already. The first is judged by the

@@ -6,12 +6,10 @@ use crate::answers::{FaultKind, LeftOutRow, MeasurementFault};
 use crate::diagnose::residuals::layout::Cell;
 use crate::measurement::Complex;
 
+use super::candidates::{Candidate, Place};
+
 /// Half the width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
-
-/// A factor between mean and harmonics is that of a convention if its logarithm differs by less than this
-/// share of the logarithm itself: with half, it would be as near to 1.
-const SAME_CONVENTION: f64 = 0.45;
 
 /// Rows that do not belong.
 pub(super) fn bad_rows(rows: impl Iterator<Item = LeftOutRow>) -> MeasurementFault {
@@ -37,6 +35,41 @@ pub(super) fn timed(seconds: f64, deviation: f64) -> MeasurementFault {
     let ends = [-HALF_WIDTH, HALF_WIDTH].map(|width| seconds + width * deviation);
     let fault = MeasurementFault::of(FaultKind::ChannelSkew);
     MeasurementFault { value: Some(seconds), interval95: Some(ends), ..fault }
+}
+
+/// Values that are peak values once multiplied by this factor.
+pub(super) fn read_as_peak(factor: f64) -> MeasurementFault {
+    MeasurementFault { value: Some(factor), ..MeasurementFault::of(FaultKind::AmplitudeConvention) }
+}
+
+/// The fault that a candidate is, with these values of its parameters; the first has this deviation, and
+/// standard deviations are `scale` times as large as they are stated.
+pub(super) fn found(
+    candidate: &Candidate,
+    cells: &[Cell],
+    values: &DVector<f64>,
+    [deviation, scale]: [f64; 2],
+) -> MeasurementFault {
+    let value = values[0];
+    match candidate.place {
+        Place::Row { experiment, order } => {
+            let cell = cells.iter().find(|c| (c.experiment, c.order) == (experiment, order));
+            bad_rows(cell.map(|cell| left_out(cell, values, scale)).into_iter())
+        }
+        Place::Level(magnitude) => MeasurementFault {
+            magnitude: Some(magnitude),
+            ..sized(candidate.kind, value, deviation)
+        },
+        Place::Run(experiment) => MeasurementFault {
+            experiment: Some(experiment),
+            ..sized(candidate.kind, value, deviation)
+        },
+        Place::All => {
+            let fastest = cells.iter().map(|cell| cell.frequency_hz).fold(0.0, f64::max);
+            let per_angle = 1.0 / (std::f64::consts::TAU * fastest);
+            timed(value * per_angle, deviation * per_angle)
+        }
+    }
 }
 
 /// What a fault is and where: its kind, its magnitude and its experiment.
@@ -71,6 +104,13 @@ pub(super) fn add(faults: &mut Vec<MeasurementFault>, new: MeasurementFault) -> 
     is_new
 }
 
+/// Adds what remains of the sizes of faults that are known.
+pub(super) fn add_all(faults: &mut Vec<MeasurementFault>, remainders: Vec<MeasurementFault>) {
+    for remainder in remainders {
+        add(faults, remainder);
+    }
+}
+
 /// Whether the size of a fault is certainly not that of none; so if it has no size.
 pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
     let none = match fault.fault {
@@ -84,17 +124,9 @@ pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
     (middle - none).abs() > half
 }
 
-/// The factor from the harmonics to peak values, if that from harmonics to means is nearly that of
-/// a convention: √2 of rms, ½ of peak-to-peak values.
-pub(super) fn convention(factor: f64) -> Option<f64> {
-    [std::f64::consts::SQRT_2, 0.5]
-        .into_iter()
-        .find(|known: &f64| (factor / known).ln().abs() < SAME_CONVENTION * known.ln().abs())
-}
-
 /// A row that is left out, by these errors in standard deviations; those are `scale` times as large as
 /// they are stated.
-pub(super) fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOutRow {
+fn left_out(cell: &Cell, values: &DVector<f64>, scale: f64) -> LeftOutRow {
     let off = Complex::new(values[0], values.get(1).copied().unwrap_or(0.0));
     let expected = (cell.measured / cell.std - off).norm().max(f64::MIN_POSITIVE);
     let off = off.norm();

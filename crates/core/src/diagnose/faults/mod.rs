@@ -14,17 +14,19 @@
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
 //! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
 //! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
-//! Rows and levels are looked for in tables only. [`bad_samples`] and [`clipping`] take what was found
+//! Rows, levels and conventions ([`convention`]) are looked for in tables only. [`bad_samples`] and [`clipping`] take what was found
 //! as records were read, [`one_run`] another gain or delay of one of them.
 
 mod bad_samples;
 mod beside;
 mod candidates;
 mod clipping;
+mod convention;
 mod course;
 mod family;
 mod fault;
 mod isolated;
+mod joint_fit;
 mod mending;
 mod noise_size;
 pub(super) mod of_records;

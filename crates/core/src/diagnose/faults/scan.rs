@@ -10,7 +10,8 @@ use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::residuals::subspace::Subspace;
 
 use super::candidates;
-use super::candidates::{Candidate, Place};
+use super::candidates::Candidate;
+use super::convention::{self, Convention};
 use super::family::Family;
 use super::fault;
 use super::noise_size;
@@ -49,8 +50,9 @@ pub(super) struct Scan<'a> {
     size_known: bool,
     /// Degrees of freedom of the base model, of which all misfits are counted.
     dof: f64,
-    /// Rows that are left out already.
+    /// Rows that are left out already, and whether another convention of the amplitudes is mended.
     rows_before: usize,
+    has_convention: bool,
     /// Σr² before, in units of the residuals; and the same as a cost.
     begin: [f64; 2],
 }
@@ -63,12 +65,16 @@ impl<'a> Scan<'a> {
         let left = residuals.fitted.complement(&residuals.values);
         let begin = [left.norm_squared().max(f64::MIN_POSITIVE), cost];
         let fitted = residuals.fitted.clone();
-        Self { fit, residuals, fitted, left, size_known, dof, rows_before: 0, begin }
+        let (rows_before, has_convention) = (0, false);
+        Self { fit, residuals, fitted, left, size_known, dof, rows_before, has_convention, begin }
     }
 
-    /// The same where so many rows are left out already.
-    pub fn beside(self, rows_before: usize) -> Self {
-        Self { rows_before, ..self }
+    /// The same where these faults are mended already.
+    pub fn beside(self, known: &[MeasurementFault]) -> Self {
+        let rows_before = known.iter().map(|fault| fault.left_out.len()).sum();
+        let is_convention =
+            |fault: &MeasurementFault| fault.fault == FaultKind::AmplitudeConvention;
+        Self { rows_before, has_convention: known.iter().any(is_convention), ..self }
     }
 
     /// The candidates of this measurement.
@@ -106,6 +112,20 @@ impl<'a> Scan<'a> {
                     Some((net, index, outside))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
+            let is_first = |net: &f64| {
+                let others = [size, best.as_ref().map(|best| best.0)];
+                others.into_iter().flatten().all(|other| *net > other)
+            };
+            if chosen.is_empty()
+                && let Some((_, read)) =
+                    self.convention(now, family).filter(|(net, _)| is_first(net))
+            {
+                // It changes what all other candidates would explain.
+                found.faults.push((fault::read_as_peak(read.factor), convention::PRICE));
+                self.left = read.left;
+                self.fitted = read.fitted;
+                break;
+            }
             match (size, best) {
                 (Some(size), best) if best.as_ref().is_none_or(|best| size > best.0) => {
                     self.size_known = false;
@@ -167,6 +187,19 @@ impl<'a> Scan<'a> {
         (is_wrong && gain > 0.0).then_some(gain)
     }
 
+    /// Another convention of the amplitudes, if none is mended yet and it explains more than chance, with
+    /// what it explains less what it costs.
+    fn convention(&self, now: f64, family: &Family) -> Option<(f64, Convention)> {
+        if self.has_convention {
+            return None;
+        }
+        let read = convention::best(&self.residuals.layout.cells, &self.fitted, &self.left)?;
+        let left = self.left.norm_squared();
+        let net = now - self.misfit(left - read.gain, self.size_known) - convention::PRICE;
+        let is_more = read.gain > family.convention_limit() * self.scale();
+        (is_more && net > 0.0).then_some((net, read))
+    }
+
     fn net_gain(
         &self,
         now: f64,
@@ -176,10 +209,7 @@ impl<'a> Scan<'a> {
     ) -> Option<(f64, Outside)> {
         let outside = Outside::of(candidate, &self.fitted)?;
         let left = self.left.norm_squared();
-        let (gain, values) = outside.best(&self.left);
-        if candidate.kind == FaultKind::AmplitudeConvention {
-            fault::convention(1.0 / (1.0 - values[0]))?;
-        }
+        let gain = outside.best(&self.left).0;
         let scale = self.scale();
         let limit = match candidate.kind {
             FaultKind::BadRows => family.row_limit(rows),
@@ -235,33 +265,8 @@ impl<'a> Scan<'a> {
         self.fitted = self.fitted.with(&DMatrix::from_columns(&columns));
         self.left = self.fitted.complement(&self.left);
         let scale = self.scale().sqrt();
-        let value = values[0];
         let deviation = scale * outside.deviations()[0];
-        match candidate.place {
-            Place::Row { experiment, order } => {
-                let cells = &self.residuals.layout.cells;
-                let cell = cells.iter().find(|c| (c.experiment, c.order) == (experiment, order));
-                fault::bad_rows(cell.map(|cell| fault::left_out(cell, &values, scale)).into_iter())
-            }
-            Place::Level(magnitude) => MeasurementFault {
-                magnitude: Some(magnitude),
-                ..fault::sized(candidate.kind, value, deviation)
-            },
-            Place::Run(experiment) => MeasurementFault {
-                experiment: Some(experiment),
-                ..fault::sized(candidate.kind, value, deviation)
-            },
-            Place::All if candidate.kind == FaultKind::AmplitudeConvention => MeasurementFault {
-                value: fault::convention(1.0 / (1.0 - value)),
-                ..MeasurementFault::of(candidate.kind)
-            },
-            Place::All => {
-                let cells = &self.residuals.layout.cells;
-                let fastest = cells.iter().map(|cell| cell.frequency_hz).fold(0.0, f64::max);
-                let per_angle = 1.0 / (std::f64::consts::TAU * fastest);
-                fault::timed(value * per_angle, deviation * per_angle)
-            }
-        }
+        fault::found(candidate, &self.residuals.layout.cells, &values, [deviation, scale])
     }
 }
 

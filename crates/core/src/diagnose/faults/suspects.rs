@@ -1,18 +1,15 @@
 //! Faults of the measurement that, beside a model, explain it better than any model alone.
 
 use crate::answers::MeasurementFault;
-use crate::identify::{FitAccuracy, FitSession, Intervals, Model, ModelFit};
+use crate::identify::{FitSession, Intervals, Model, ModelFit};
 
-use crate::diagnose::residuals::discrepancy;
 use crate::diagnose::residuals::layout::Layout;
 use crate::diagnose::residuals::residual::Residuals;
 use crate::diagnose::selection::models::{Key, Models};
 
 use super::family::Family;
-use super::fault;
-use super::mending;
 use super::one_level_out;
-use super::scan::{FAR_SMALLER, Scan};
+use super::scan::Scan;
 
 /// Fewest degrees of freedom that tell a fault from a model.
 const FEWEST_DOF: f64 = 20.0;
@@ -25,18 +22,6 @@ pub(crate) const CLEARLY_BETTER: f64 = 200.0;
 /// Models for which faults are estimated together with the model: those that a linearisation finds
 /// best.
 const MOST_REFITTED: usize = 4;
-
-/// Rounds of estimating faults and refitting the model: each adds faults, or corrects those that
-/// were added.
-const MOST_ROUNDS: usize = 12;
-
-/// Rounds in which the sizes of faults that were found settle. The second corrects what the first takes
-/// from one fault of several that show alike.
-const SETTLING_ROUNDS: usize = 2;
-
-/// Most faults beside each other, all rows together counted as one. What needs more is not a
-/// measurement with faults.
-const MOST_FAULTS: usize = 4;
 
 /// Faults beside a model.
 pub(crate) struct Suspected {
@@ -52,7 +37,7 @@ pub(crate) struct Suspected {
 
 /// Where the search for faults beside a model begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Begin {
+pub(super) enum Begin {
     /// At the model fitted to all data.
     Refit,
     /// At the model as it is, which a part of the data does not fit.
@@ -145,7 +130,7 @@ impl Suspects<'_> {
             if best.is_some() && criterion > bar {
                 break;
             }
-            let refitted = self.refitted(&key, model, begin, family);
+            let refitted = self.fitted_together(&key, model, begin, family);
             if let Some(better) = refitted.filter(|refitted| refitted.criterion < bar) {
                 bar = better.criterion;
                 best = Some(better);
@@ -188,84 +173,9 @@ impl Suspects<'_> {
         misfit(cost, dof, self.size_known() && cost <= dof)
     }
 
-    fn scan<'f>(&self, fit: &'f ModelFit, cost: f64) -> Scan<'f> {
+    pub(super) fn scan<'f>(&self, fit: &'f ModelFit, cost: f64) -> Scan<'f> {
         Scan::new(fit, cost, self.dof(), self.size_known())
     }
-
-    /// The model with its faults, both fitted together; `None` if more than noise is left.
-    fn refitted(
-        &self,
-        key: &Key,
-        mut model: Model,
-        begin: Begin,
-        family: &Family,
-    ) -> Option<Suspected> {
-        let experiments = self.session.measurement().experiments();
-        let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
-        let mut settling = SETTLING_ROUNDS;
-        let mut course = Vec::<(usize, f64)>::new();
-        for round in 0..MOST_ROUNDS {
-            let session = self.session.changed(|experiment, order| {
-                mending::change(&faults, experiments, experiment, order)
-            });
-            if round > 0 || begin == Begin::Refit {
-                model = session.refine(&model, FitAccuracy::Settle);
-            }
-            let fit = session.judge(&model, Intervals::Curvature).ok()?;
-            let cost = session.cost(&model)?;
-            course.push((faults.len(), cost));
-            let scan = self.scan(&fit, cost).beside(rows_left_out(&faults));
-            let candidates = scan.candidates();
-            let found = scan.select(&candidates, family);
-            if found.faults.is_empty() {
-                if settling > 0 && !faults.is_empty() {
-                    settling -= 1;
-                    for remainder in self.scan(&fit, cost).remainders(&candidates, &faults) {
-                        fault::add(&mut faults, remainder);
-                    }
-                    continue;
-                }
-                let before = faults.len();
-                faults.retain(fault::is_sure);
-                if faults.len() < before {
-                    continue;
-                }
-                let criterion = found.misfit + price + self.models.complexity(key);
-                let mut residuals = Residuals::of(&fit);
-                if found.std_factor.is_some() {
-                    residuals = residuals.of_any_size();
-                }
-                faults.extend(found.std_factor);
-                let observer = self.session.observer();
-                let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
-                let effects = key.len();
-                if first_dominates(&course) {
-                    faults.truncate(1);
-                }
-                return is_noise.then_some(Suspected { faults, criterion, price, effects });
-            }
-            for (new, own_price) in found.faults {
-                let is_new = fault::add(&mut faults, new);
-                price += if is_new { own_price } else { 0.0 };
-            }
-            if faults.len() > MOST_FAULTS {
-                return None;
-            }
-        }
-        None
-    }
-}
-
-/// Whether the first fault, found alone, explains nearly all that all of them do: numbers of faults and
-/// what was left beside them, round by round. What is far smaller may be an effect of the machine,
-/// which could not be fitted beside the first fault. It is looked for once that is mended.
-fn first_dominates(course: &[(usize, f64)]) -> bool {
-    let [(0, begin), (1, beside_first), .., (_, end)] = course else { return false };
-    beside_first - end < FAR_SMALLER * (begin - end)
-}
-
-fn rows_left_out(faults: &[MeasurementFault]) -> usize {
-    faults.iter().map(|fault| fault.left_out.len()).sum()
 }
 
 /// −2 ln likelihood of a cost, up to a constant that models of known and of unknown noise share.
@@ -273,19 +183,5 @@ pub(crate) fn misfit(cost: f64, dof: f64, size_known: bool) -> f64 {
     match size_known {
         true => cost,
         false => dof * (1.0 + (cost.max(f64::MIN_POSITIVE) / dof).ln()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_first_fault_dominates_where_the_others_explain_a_twentieth_of_what_it_does() {
-        let rounds = |beside_first| [(0, 1000.0), (1, beside_first), (3, 100.0), (3, 100.0)];
-        assert!(first_dominates(&rounds(140.0)));
-        assert!(!first_dominates(&rounds(150.0)));
-        assert!(!first_dominates(&[(0, 1000.0), (2, 110.0), (3, 100.0)]), "two were found at once");
-        assert!(!first_dominates(&[(1, 100.0)]));
     }
 }

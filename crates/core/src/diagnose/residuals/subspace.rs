@@ -47,6 +47,13 @@ impl Subspace {
         self.basis.ncols()
     }
 
+    /// The span where each coordinate is multiplied by its own factor.
+    pub fn stretched(&self, factors: &DVector<f64>) -> Self {
+        let mut basis = self.basis.clone();
+        basis.column_iter_mut().for_each(|mut column| column.component_mul_assign(factors));
+        Self::of(&basis)
+    }
+
     /// The part of a vector inside the subspace.
     pub fn project(&self, vector: &DVector<f64>) -> DVector<f64> {
         &self.basis * self.basis.tr_mul(vector)

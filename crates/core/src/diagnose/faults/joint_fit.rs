@@ -1,0 +1,121 @@
+//! A model fitted together with the faults that are found beside it.
+
+use crate::answers::MeasurementFault;
+use crate::diagnose::residuals::discrepancy;
+use crate::diagnose::residuals::residual::Residuals;
+use crate::diagnose::selection::models::Key;
+use crate::identify::{FitAccuracy, Intervals, Model};
+
+use super::family::Family;
+use super::scan::FAR_SMALLER;
+use super::suspects::{Begin, Suspected, Suspects};
+use super::{fault, mending};
+
+/// Rounds of estimating faults and refitting the model: each adds faults, or corrects the sizes of
+/// those that were added.
+const MOST_ROUNDS: usize = 16;
+
+/// Rounds at the end in which the sizes settle. The second corrects what the first takes from one fault
+/// of several that show alike.
+const SETTLING_ROUNDS: usize = 2;
+
+/// Most faults beside each other, all rows together counted as one. What needs more is not a
+/// measurement with faults.
+const MOST_FAULTS: usize = 4;
+
+impl Suspects<'_> {
+    /// The model with its faults, both fitted together; `None` if more than noise is left.
+    ///
+    /// Before more faults are looked for, those that were found settle: the linearisation tells the size
+    /// of a large one roughly, and what that leaves is no other fault.
+    pub(super) fn fitted_together(
+        &self,
+        key: &Key,
+        mut model: Model,
+        begin: Begin,
+        family: &Family,
+    ) -> Option<Suspected> {
+        let experiments = self.session.measurement().experiments();
+        let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
+        let (mut are_new, mut settling) = (false, SETTLING_ROUNDS);
+        let mut course = Vec::<(usize, f64)>::new();
+        for round in 0..MOST_ROUNDS {
+            let session = self.session.changed(|experiment, order| {
+                mending::change(&faults, experiments, experiment, order)
+            });
+            if round > 0 || begin == Begin::Refit {
+                model = session.refine(&model, FitAccuracy::Settle);
+            }
+            let fit = session.judge(&model, Intervals::Curvature).ok()?;
+            let cost = session.cost(&model)?;
+            let scan = self.scan(&fit, cost).beside(&faults);
+            let candidates = scan.candidates();
+            let remainders = || self.scan(&fit, cost).remainders(&candidates, &faults);
+            let first_settle = std::mem::take(&mut are_new).then(remainders);
+            if let Some(more) = first_settle.filter(|more| !more.is_empty()) {
+                fault::add_all(&mut faults, more);
+                continue;
+            }
+            course.push((faults.len(), cost));
+            let found = scan.select(&candidates, family);
+            if !found.faults.is_empty() {
+                are_new = true;
+                for (new, own_price) in found.faults {
+                    let is_new = fault::add(&mut faults, new);
+                    price += if is_new { own_price } else { 0.0 };
+                }
+                if faults.len() > MOST_FAULTS {
+                    return None;
+                }
+                continue;
+            }
+            if settling > 0 && !faults.is_empty() {
+                settling -= 1;
+                let more = remainders();
+                fault::add_all(&mut faults, more);
+                continue;
+            }
+            let before = faults.len();
+            faults.retain(fault::is_sure);
+            if faults.len() < before {
+                continue;
+            }
+            let criterion = found.misfit + price + self.models.complexity(key);
+            let mut residuals = Residuals::of(&fit);
+            if found.std_factor.is_some() {
+                residuals = residuals.of_any_size();
+            }
+            faults.extend(found.std_factor);
+            let observer = self.session.observer();
+            let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
+            if first_dominates(&course) {
+                faults.truncate(1);
+            }
+            let effects = key.len();
+            return is_noise.then_some(Suspected { faults, criterion, price, effects });
+        }
+        None
+    }
+}
+
+/// Whether the first fault, found alone, explains nearly all that all of them do: numbers of faults and
+/// what was left beside them, round by round. What is far smaller may be an effect of the machine,
+/// which could not be fitted beside the first fault. It is looked for once that is mended.
+fn first_dominates(course: &[(usize, f64)]) -> bool {
+    let [(0, begin), (1, beside_first), .., (_, end)] = course else { return false };
+    beside_first - end < FAR_SMALLER * (begin - end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_fault_dominates_where_the_others_explain_a_twentieth_of_what_it_does() {
+        let rounds = |beside_first| [(0, 1000.0), (1, beside_first), (3, 100.0), (3, 100.0)];
+        assert!(first_dominates(&rounds(140.0)));
+        assert!(!first_dominates(&rounds(150.0)));
+        assert!(!first_dominates(&[(0, 1000.0), (2, 110.0), (3, 100.0)]), "two were found at once");
+        assert!(!first_dominates(&[(1, 100.0)]));
+    }
+}

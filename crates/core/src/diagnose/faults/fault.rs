@@ -113,15 +113,20 @@ pub(super) fn add_all(faults: &mut Vec<MeasurementFault>, remainders: Vec<Measur
 
 /// Whether the size of a fault is certainly not that of none; so if it has no size.
 pub(super) fn is_sure(fault: &MeasurementFault) -> bool {
+    !is_within(3.0, fault)
+}
+
+/// Whether the size of a fault is that of none to within so many standard deviations; never if it has no
+/// size.
+pub(super) fn is_within(deviations: f64, fault: &MeasurementFault) -> bool {
     let none = match fault.fault {
         FaultKind::LevelGain | FaultKind::RunGain => 1.0,
         FaultKind::LevelPhase | FaultKind::RunPhase | FaultKind::ChannelSkew => 0.0,
-        _ => return true,
+        _ => return false,
     };
-    // Three standard deviations on either side.
-    let Some([low, high]) = fault.interval95 else { return true };
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low) * 3.0 / HALF_WIDTH);
-    (middle - none).abs() > half
+    let Some([low, high]) = fault.interval95 else { return false };
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low) * deviations / HALF_WIDTH);
+    (middle - none).abs() <= half
 }
 
 /// A row that is left out, by these errors in standard deviations; those are `scale` times as large as

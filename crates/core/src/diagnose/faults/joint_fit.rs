@@ -51,9 +51,10 @@ impl Suspects<'_> {
             let scan = self.scan(&fit, cost).beside(&faults);
             let candidates = scan.candidates();
             let remainders = || self.scan(&fit, cost).remainders(&candidates, &faults);
-            let first_settle = std::mem::take(&mut are_new).then(remainders);
-            if let Some(more) = first_settle.filter(|more| !more.is_empty()) {
-                fault::add_all(&mut faults, more);
+            let unsettled = are_new.then(remainders).unwrap_or_default();
+            are_new = unsettled.iter().any(|more| !fault::is_within(1.0, more));
+            if are_new {
+                fault::add_all(&mut faults, unsettled);
                 continue;
             }
             course.push((faults.len(), cost));

@@ -36,6 +36,7 @@ mod mappings;
 mod measurements;
 mod measurements_of_instruments;
 mod methods;
+mod mismeasured;
 mod motions;
 mod mqtt;
 mod naming;

@@ -2,7 +2,7 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use servoscope_core::measurement::{Complex, Experiment, Measurement, Metadata};
+use servoscope_core::measurement::{Complex, Experiment, Harmonic, Measurement, Metadata, Repeat};
 
 use crate::machines::noise::{NoiseLaw, NoiseStatement};
 
@@ -12,26 +12,26 @@ pub(super) const LAW: NoiseLaw = NoiseLaw { floor: 0.01, share: 0.0 };
 /// Three magnitudes at four frequencies, harmonics 0 to 3, with this number of repeats; 0: with a
 /// standard deviation of every harmonic.
 pub(super) fn table(repeats: usize) -> Measurement {
-    with_noise(LAW, repeats)
-}
-
-/// The same without noise.
-pub(super) fn exact_table() -> Measurement {
-    with_noise(NoiseLaw::uniform(0.0), 0)
-}
-
-fn with_noise(law: NoiseLaw, repeats: usize) -> Measurement {
     let statement = match repeats {
         0 => NoiseStatement::Std,
         count => NoiseStatement::Repeats(count),
     };
     let rng = &mut ChaCha8Rng::seed_from_u64(8);
+    observed(|exact| LAW.observe(exact, statement, rng))
+}
+
+/// The same without noise, of which the standard deviations are stated.
+pub(super) fn exact_table() -> Measurement {
+    observed(|exact| (LAW.stated(exact), Vec::new()))
+}
+
+fn observed(mut observe: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>)) -> Measurement {
     let mut experiments = Vec::new();
     for magnitude in [1.0, 2.0, 4.0] {
         for omega_rad_s in [1.0, 3.0, 9.0, 27.0] {
             let exact = [(0.1, 0.0), (2.0, -1.0), (0.2, 0.1), (0.3, 0.4)];
             let exact = exact.map(|(re, im)| Complex::new(re, im) * magnitude);
-            let (response, repeats) = law.observe(&exact, statement, rng);
+            let (response, repeats) = observe(&exact);
             experiments.push(Experiment {
                 magnitude,
                 omega_rad_s,

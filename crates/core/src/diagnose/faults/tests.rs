@@ -108,12 +108,8 @@ fn a_stated_deviation_that_is_wrong_by_a_factor_is_told_from_structure() {
     }
 }
 
-/// The first axis of the paper with some effects, one magnitude measured with another gain.
-fn with_a_level_off(
-    effects: Vec<Effect>,
-    noise_db: f64,
-    (magnitude, factor): (f64, f64),
-) -> Measurement {
+/// The first axis of the paper with one magnitude measured with another gain.
+fn with_a_level_off(magnitude: f64, factor: f64) -> Measurement {
     let plant = Plant {
         viscous_rate_rad_s: 10.0,
         constant: 10.0,
@@ -123,8 +119,8 @@ fn with_a_level_off(
     let frequencies = (0..13).map(|i| 10f64.powf(f64::from(i) / 6.0));
     let at_each = |omega| [1.0, 2.0, 4.0].map(|magnitude| (magnitude, omega));
     let design = frequencies.flat_map(at_each).collect();
-    let (noise_db, noise_statement) = (Some(noise_db), NoiseStatement::Std);
-    let draw = Draw { plant, effects, design, harmonics: 7, noise_db, noise_statement };
+    let (noise_db, noise_statement) = (Some(60.0), NoiseStatement::Std);
+    let draw = Draw { plant, effects: vec![], design, harmonics: 7, noise_db, noise_statement };
     let mut experiments = measure(&draw, 6).unwrap().experiments().to_vec();
     let wrong = experiments.iter_mut().filter(|experiment| experiment.magnitude == magnitude);
     wrong.flat_map(|experiment| &mut experiment.response).for_each(|row| scaled(row, factor));
@@ -135,7 +131,7 @@ fn with_a_level_off(
 #[test]
 fn a_level_that_is_far_off_is_told_from_a_search_over_the_others() {
     for (magnitude, factor) in [(2.0, 1.2), (4.0, 1.2), (2.0, SQRT_2), (4.0, SQRT_2), (1.0, 0.7)] {
-        let measurement = with_a_level_off(vec![], 60.0, (magnitude, factor));
+        let measurement = with_a_level_off(magnitude, factor);
         let open = IdentifyRequest { plant: None, ..request() };
         let answer = crate::diagnose::diagnose(&measurement, &open, &Silent).unwrap();
         let [fault] = answer.measurement.as_slice() else {

@@ -87,7 +87,10 @@ pub(super) fn add(faults: &mut Vec<MeasurementFault>, new: MeasurementFault) -> 
     let is_new = new.fault == FaultKind::BadRows;
     match new.fault {
         FaultKind::BadRows => known.left_out.extend(new.left_out),
-        FaultKind::LevelGain | FaultKind::RunGain | FaultKind::StdFactor => {
+        FaultKind::LevelGain
+        | FaultKind::RunGain
+        | FaultKind::StdFactor
+        | FaultKind::AmplitudeConvention => {
             let factor = new.value.unwrap_or(1.0);
             let before = known.value.unwrap_or(1.0);
             let relative = new.interval95.map(|ends| ends.map(|end| end * before));
@@ -177,6 +180,30 @@ pub(super) fn are_too_many(faults: &[MeasurementFault], beside_effects: bool) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn factors_of_faults_in_one_place_are_multiplied_and_angles_are_added() {
+        let joined = |first: MeasurementFault, second: MeasurementFault| {
+            let mut faults = vec![first];
+            assert!(!add(&mut faults, second));
+            let [fault] = faults.as_slice() else { panic!("{faults:?}") };
+            fault.value.unwrap()
+        };
+        let product = joined(read_as_peak(0.5), read_as_peak(std::f64::consts::SQRT_2));
+        // Two roundings.
+        assert!((product * std::f64::consts::SQRT_2 - 1.0).abs() < 1e-15, "{product}");
+        let phase = |rad| sized(FaultKind::LevelPhase, rad, 0.01);
+        let sum = joined(phase(0.1), phase(0.2)).to_radians();
+        assert!((sum / 0.3 - 1.0).abs() < 1e-14, "{sum}");
+    }
+
+    #[test]
+    fn a_remainder_is_small_within_one_deviation_and_a_fault_sure_beyond_three() {
+        let of = |deviations: f64| sized(FaultKind::LevelGain, 0.01 * deviations, 0.01);
+        assert!(is_within(1.0, &of(0.9)) && is_within(1.0, &of(-0.9)) && !is_within(1.0, &of(1.1)));
+        assert!(!is_sure(&of(2.9)) && is_sure(&of(3.1)) && is_sure(&of(-3.1)));
+        assert!(is_sure(&read_as_peak(0.5)), "it has no interval");
+    }
 
     #[test]
     fn three_faults_are_too_many_unless_one_of_them_is_certain() {

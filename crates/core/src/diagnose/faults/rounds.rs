@@ -80,7 +80,10 @@ impl Rounds<'_> {
                 Ok(answer) if self.faults.is_empty() => self.without_a_fault(answer),
                 Ok(answer) => self.with_faults(answer),
                 Err(Halt::Error(error)) => return Err(error),
-                Err(Halt::Faults(suspicion)) => self.suspected(*suspicion, &mended),
+                Err(Halt::Faults(suspicion)) => {
+                    self.add(*suspicion, &mended);
+                    Next::Again
+                }
             };
             match next {
                 Next::Answer(answer) => return Ok(*answer),
@@ -91,14 +94,13 @@ impl Rounds<'_> {
         self.in_vain(&reached)
     }
 
-    /// Faults were found beside a model.
-    fn suspected(&mut self, suspicion: Suspicion, mended: &Mended) -> Next {
+    /// Adds faults that were found beside a model of the mended measurement.
+    fn add(&mut self, suspicion: Suspicion, mended: &Mended) {
         self.as_measured.get_or_insert(suspicion.as_measured);
         for mut new in suspicion.faults {
             renumber(&mut new, &mended.experiments);
             fault::add(&mut self.faults, new);
         }
-        Next::Again
     }
 
     /// No fault was found beside any model. If nothing explains the measurement, other readings, clipping and

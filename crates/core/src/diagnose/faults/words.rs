@@ -273,8 +273,12 @@ fn remedy(fault: &MeasurementFault) -> &'static str {
         }
         FaultKind::SineReference => "add the line `# reference: sin` above the header",
         FaultKind::ResponseKind => "state what was measured, as in `# response: position rad`",
+        FaultKind::AmplitudeConvention if fault.value.is_some_and(|factor| factor > 1.0) => {
+            "add the line `# amplitude: rms` above the header, or the option `--amplitude rms`"
+        }
         FaultKind::AmplitudeConvention => {
-            "state what the amplitudes are: `# amplitude: rms`, or `peak-to-peak`"
+            "add the line `# amplitude: peak-to-peak` above the header, or the option `--amplitude \
+             peak-to-peak`"
         }
         FaultKind::HeldInput => "add the line `# intersample: hold` above the header",
         FaultKind::StraightInput => "add the line `# intersample: linear` above the header",

@@ -14,6 +14,8 @@ fn peak_to_peak_values_are_told_by_the_means_beside_an_effect_too() {
         let answer = answer(&measurement);
         let faults: Vec<_> = answer.measurement.iter().map(|f| (f.fault, f.value)).collect();
         assert_eq!(faults, [(FaultKind::AmplitudeConvention, Some(0.5))]);
+        let remedy = &answer.measurement[0].remedy;
+        assert!(remedy.contains("--amplitude peak-to-peak"), "{remedy}");
         let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
         assert_eq!(causes.first().copied(), (late_s > 0.0).then_some("transport_delay"));
     }
@@ -34,6 +36,8 @@ fn a_fault_that_all_tests_of_noise_overlook_is_named_beside_an_effect() {
     let answer = answer(&of(experiments));
     let faults: Vec<_> = answer.measurement.iter().map(|f| (f.fault, f.value)).collect();
     assert_eq!(faults, [(FaultKind::AmplitudeConvention, Some(SQRT_2))]);
+    let remedy = &answer.measurement[0].remedy;
+    assert!(remedy.contains("--amplitude rms"), "{remedy}");
     let causes: Vec<&str> = answer.causes.iter().map(|cause| cause.effect.as_str()).collect();
     assert_eq!(causes, ["transport_delay"]);
 }

@@ -7,7 +7,10 @@ mod watch;
 use std::path::PathBuf;
 
 use servoscope_bench::naming::effect_draws::ids;
-use servoscope_bench::naming::{Case, Kind, Plan, SettingChange, Settings, Sizing, known_effect};
+use servoscope_bench::naming::{
+    Case, Kind, Plan, SettingChange, Settings, Sizing, drawn_fault, known_effect,
+};
+use servoscope_core::answers::FaultKind;
 
 use super::choice::one_of;
 use super::{Failure, terminal};
@@ -48,6 +51,9 @@ pub(super) struct Args {
     /// same measurements are diagnosed without the fault, too.
     #[arg(long, value_name = "N", default_value_t = Plan::default().mismeasured)]
     mismeasured: u32,
+    /// Kinds of these faults, as an answer names them [default: all].
+    #[arg(long, value_name = "FAULT,…", value_delimiter = ',', value_parser = drawn_fault)]
+    faults: Vec<FaultKind>,
     /// Noise, dB below the median response: 60, 50 or 40; not of `analyser`.
     #[arg(long, value_name = "DB,…", value_delimiter = ',', default_values_t = [60, 50, 40])]
     #[arg(value_parser = clap::value_parser!(u32).range(20..=100))]
@@ -124,6 +130,7 @@ impl Args {
             machines: self.machines,
             machine_pairs: self.machine_pairs,
             mismeasured: self.mismeasured,
+            faults: self.faults.clone(),
         }
     }
 
@@ -212,6 +219,11 @@ mod tests {
         let keys: Vec<String> = keys.collect();
         assert_eq!(keys.len(), 2 * 7);
         assert!(keys[8].contains("-60-spring-") && keys[8].ends_with("-1"), "{}", keys[8]);
+        let line = "--kinds mismeasured --effects spring --mismeasured 2 --faults std_factor";
+        let keys = asked(line).unwrap().plan().cases().into_iter().map(|case| case.to_string());
+        let keys: Vec<String> = keys.collect();
+        assert_eq!((keys.len(), keys[1].as_str()), (2 * 2 * 2, "mismeasured-60-o0-15"));
+        assert!(asked("--faults std").unwrap_err().contains("bad_rows, std_factor"));
         assert!(asked("--effects sprng").unwrap_err().contains("hardening_spring"));
         assert!(asked("--kinds none").unwrap_err().contains("outsider"));
         assert!(asked("--orders 3").is_err() && asked("--case spring").is_err());

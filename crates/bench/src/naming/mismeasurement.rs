@@ -18,7 +18,7 @@ use servoscope_core::measurement::{InvalidMeasurement, Measurement};
 use crate::machines::noise::NoiseLaw;
 pub use bad_row::BadRow;
 pub use samples::Spoilt;
-pub use sort::Sort;
+pub use sort::{Sort, drawn_fault};
 
 /// What is wrong with a measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -57,7 +57,7 @@ pub use fresh::Fresh;
 pub use instrument::{Harmonics, Instrument, NoiseSaid};
 pub use judge::{Answer, Estimated, Named, Outcome, Seconds};
 pub use mismeasured::{Mismeasured, RowCounts};
-pub use mismeasurement::{BadRow, Mismeasurement, Mistake, Sort, Spoilt};
+pub use mismeasurement::{BadRow, Mismeasurement, Mistake, Sort, Spoilt, drawn_fault};
 pub use plan::Plan;
 pub use rate::Rate;
 pub use recording::Recording;

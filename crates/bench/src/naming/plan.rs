@@ -1,5 +1,7 @@
 //! Kinds and numbers of the draws of a run.
 
+use servoscope_core::answers::FaultKind;
+
 use super::case::{Case, Kind};
 use super::effect_draws::ids;
 use super::mismeasurement::Sort;
@@ -37,6 +39,8 @@ pub struct Plan {
     /// Number of measurements with a fault of each sort at each level above 40 dB, and as many that
     /// hide an effect, too; records with a fault only at the level with the least noise.
     pub mismeasured: u32,
+    /// Kinds of these faults; all if there is none.
+    pub faults: Vec<FaultKind>,
 }
 
 /// All kinds but [`Kind::Analyser`], its records, the machines with small effects and the measurements with a
@@ -56,6 +60,7 @@ impl Default for Plan {
             machines: 2,
             machine_pairs: 30,
             mismeasured: 2,
+            faults: Vec::new(),
         }
     }
 }
@@ -137,7 +142,12 @@ impl Plan {
                 let sorts = Sort::all_of(kind).len();
                 let count = sorts as u32 * self.mismeasured;
                 let levels: Vec<u32> = levels.filter(|level| *level > 40).collect();
+                let is_wanted =
+                    |sort: Sort| self.faults.is_empty() || self.faults.contains(&sort.kind());
                 let draws = levels.iter().flat_map(|level| (0..count).map(move |i| (*level, i)));
+                let draws = draws.filter(|(level, index)| {
+                    Sort::of(&case(*level, None, *index)).is_some_and(is_wanted)
+                });
                 let order = |place: usize| self.orders[place % self.orders.len()];
                 // Where there are few sorts, each gets every order.
                 let place = |index: u32| match kind {
@@ -231,6 +241,20 @@ mod tests {
         for case in cases {
             assert_eq!(case.to_string().parse(), Ok(case));
         }
+    }
+
+    #[test]
+    fn faults_can_be_chosen_by_their_kind_and_keep_their_keys() {
+        let kinds = vec![Kind::Mismeasured];
+        let plan = Plan { kinds, mismeasured: 4, ..Plan::default() };
+        let all: HashSet<String> = plan.cases().iter().map(Case::to_string).collect();
+        let faults = vec![FaultKind::StdFactor, FaultKind::BadRows];
+        let cases = Plan { faults, ..plan }.cases();
+        assert_eq!(cases.len(), 2 * 2 * 3 * 4);
+        let wanted = [FaultKind::StdFactor, FaultKind::BadRows];
+        assert!(cases.iter().all(|case| wanted.contains(&Sort::of(case).unwrap().kind())));
+        let clean = cases.iter().filter(|case| case.effect.is_none());
+        assert!(clean.map(Case::to_string).all(|key| all.contains(&key)));
     }
 
     #[test]

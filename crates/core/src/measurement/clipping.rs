@@ -13,7 +13,7 @@ use fill::Fill;
 
 /// Fewest samples at a limit, and fewest of them in a row somewhere.
 const FEWEST: usize = 8;
-const FEWEST_IN_A_ROW: usize = 3;
+const FEWEST_IN_A_ROW: usize = 2;
 
 /// A channel clips if the samples at its limit are more than this many times those that lie inside by
 /// less than [`NEAR_SHARE`] of its range, or by one step of its rounding. Of a sine that is rounded to 256
@@ -43,22 +43,23 @@ impl Record {
         let is_velocity = stated.kind == ResponseKind::Velocity;
         let response =
             if is_velocity { CutOff::of(&self.output[begin..]) } else { CutOff::default() };
-        if input.share.max(response.share) == 0.0 {
-            return None;
-        }
-        let filled = (input.share > 0.0).then(|| {
+        let filled = input.filled(&self.input[begin..], length).map(|samples| {
             let mut record = Self { time_s: Vec::new(), ..self.clone() };
-            input.fill(&mut record.input[begin..], length);
+            record.input[begin..].copy_from_slice(&samples);
             let outputs = spectrum::of_periods(&record.output, periods);
             record.of_periods(outputs, (periods.samples, period_s), stated, &mut Vec::new())
         });
+        if filled.is_none() && response.share == 0.0 {
+            return None;
+        }
         let [lowest, highest] = response.limits;
         let range = (response.share > 0.0).then(|| ChannelRange {
             lowest: lowest.unwrap_or(f64::NEG_INFINITY),
             highest: highest.unwrap_or(f64::INFINITY),
             samples: length,
         });
-        let (input_share, response_share) = (input.share, response.share);
+        let input_share = if filled.is_some() { input.share } else { 0.0 };
+        let response_share = response.share;
         Some(Box::new(Clipping { filled, input_share, range, response_share }))
     }
 }
@@ -91,31 +92,44 @@ impl CutOff {
         self.limits.contains(&Some(value))
     }
 
-    /// Fills in what was cut off of periods of so many samples; it lies beyond the limits.
-    fn fill(&self, samples: &mut [f64], length: usize) {
-        let before = samples.to_vec();
+    /// Periods of so many samples with what was cut off filled in; it lies beyond the limits. `None` if
+    /// nothing was: the samples on both sides of a top may be equal, and fit what is beside them.
+    fn filled(&self, samples: &[f64], length: usize) -> Option<Vec<f64>> {
+        if self.share == 0.0 {
+            return None;
+        }
         let cut: Vec<Vec<usize>> = samples
             .chunks_exact(length)
             .map(|period| (0..length).filter(|i| self.is_cut(period[*i])).collect())
             .collect();
-        Fill::of(length).fill(samples, &cut);
+        let mut filled = samples.to_vec();
+        Fill::of(length).fill(&mut filled, &cut);
         let [lowest, highest] = self.limits;
-        for (before, after) in before.iter().zip(samples) {
+        let mut moved = 0.0_f64;
+        for (before, after) in samples.iter().zip(&mut filled) {
             if Some(*before) == highest {
                 *after = after.max(*before);
             } else if Some(*before) == lowest {
                 *after = after.min(*before);
             }
+            moved = moved.max((*after - before).abs());
         }
+        let [least, most] = ends(samples.iter().copied());
+        (moved > NEAR_SHARE * (most - least)).then_some(filled)
     }
+}
+
+/// The smallest and the largest value.
+fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let beyond = [f64::INFINITY, f64::NEG_INFINITY];
+    values.fold(beyond, |[least, most], value| [least.min(value), most.max(value)])
 }
 
 /// The lowest and the highest value of a channel, where it clips.
 fn limits(samples: &[f64]) -> [Option<f64>; 2] {
     [-1.0, 1.0].map(|sign| {
         let toward = |value: &f64| sign * value;
-        let highest = samples.iter().map(toward).fold(f64::NEG_INFINITY, f64::max);
-        let lowest = samples.iter().map(toward).fold(f64::INFINITY, f64::min);
+        let [lowest, highest] = ends(samples.iter().map(toward));
         let is_at = |value: &f64| toward(value) == highest;
         let longest = samples.chunk_by(|a, b| is_at(a) == is_at(b));
         let longest = longest.filter(|run| is_at(&run[0])).map(<[f64]>::len).max()?;
@@ -163,10 +177,10 @@ mod tests {
     #[test]
     fn what_was_cut_off_is_filled_in_to_the_noise() {
         let whole = signal();
-        let mut samples = clipped(&whole, -2.5, 4.0);
+        let samples = clipped(&whole, -2.5, 4.0);
         let cut = CutOff::of(&samples);
         assert!((0.05..0.3).contains(&cut.share), "{}", cut.share);
-        cut.fill(&mut samples, LENGTH);
+        let samples = cut.filled(&samples, LENGTH).unwrap();
         let squares = whole.iter().zip(&samples).map(|(a, b)| (a - b).powi(2));
         let rms = (squares.sum::<f64>() / whole.len() as f64).sqrt();
         // The noise itself is 2.4e-3; a tenth of the samples is filled in.
@@ -182,6 +196,35 @@ mod tests {
         // Rounded to 256 steps.
         let rounded = |n: u32| (128.0 * (f64::from(n) * 0.01).cos()).round();
         assert_eq!(limits(&(0..2000).map(rounded).collect::<Vec<_>>()), [None, None]);
+    }
+
+    #[test]
+    fn two_samples_of_each_period_can_be_cut_off_but_not_where_they_fit_what_is_beside_them() {
+        let peak = |period: u32| {
+            let distance = |n: u32| (f64::from(n) - 100.5).abs();
+            let value =
+                move |n: u32| 3.0 * (-0.2 * distance(n).powi(2)).exp() + (0.5 * f64::from(n)).sin();
+            (0..400).map(move |n| value(n) + 1e-4 * f64::from(n * period % 7))
+        };
+        let whole: Vec<f64> = (1..=4).flat_map(peak).collect();
+        let third = {
+            let mut sorted = whole[..400].to_vec();
+            sorted.sort_by(|a, b| b.total_cmp(a));
+            sorted[2]
+        };
+        assert_eq!(CutOff::of(&whole).share, 0.0);
+        let limit = third + 0.002;
+        let samples = clipped(&whole, -50.0, limit);
+        let cut = CutOff::of(&samples);
+        assert_eq!(cut.share, 8.0 / 1600.0);
+        assert!(cut.filled(&samples, 400).is_some());
+        // The two samples next to the top of a symmetric signal are equal.
+        let line = |k: f64, n: u32| (TAU * k * (f64::from(n) + 0.5) / 100.0).cos();
+        let value =
+            |n: u32| (1e5 * (line(1.0, n) + 0.4 * line(2.0, n) + 0.3 * line(5.0, n))).round();
+        let symmetric: Vec<f64> = (0..400).map(value).collect();
+        let cut = CutOff::of(&symmetric);
+        assert!(cut.share > 0.0 && cut.filled(&symmetric, 100).is_none());
     }
 
     #[test]

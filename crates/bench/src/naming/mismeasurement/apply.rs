@@ -8,6 +8,9 @@ use super::Mismeasurement;
 use super::bad_row::DETECTABLE_SIGMAS;
 use crate::machines::noise::NoiseLaw;
 
+/// A line of an input that is larger than this share of its largest line is excited.
+const EXCITED: f64 = 1e-3;
+
 impl Mismeasurement {
     /// The measurement with this fault.
     ///
@@ -22,8 +25,8 @@ impl Mismeasurement {
         Measurement::new(metadata, experiments, notes, sound.sha256().to_owned())
     }
 
-    /// Whether it moves a row by more than five true standard deviations of re or im. A wrong
-    /// statement of the noise moves nothing but shows in every row.
+    /// Whether it moves a row, or the response to its line of the input, by more than five true standard
+    /// deviations of re or im. A wrong statement of the noise moves nothing but shows in every row.
     pub(in crate::naming) fn shows(
         &self,
         sound: &Measurement,
@@ -36,9 +39,18 @@ impl Mismeasurement {
             _ => {}
         }
         let moved = |(before, after): (&Experiment, &Experiment)| {
+            let largest = before.input.iter().map(|line| line.norm()).fold(0.0, f64::max);
             before.response.iter().any(|row| {
-                let shift = after.harmonic(row.order).map_or(0.0, |h| (h.value - row.value).norm());
-                shift > DETECTABLE_SIGMAS * law.std_of(row.value.norm())
+                let line = |of: &Experiment| of.input.get(row.order).copied();
+                let excited = line(before).filter(|line| line.norm() > EXCITED * largest);
+                // A line of the input that is off by a share of itself moves the response to it by as much.
+                let by_input = match (excited, line(after)) {
+                    (Some(was), Some(is)) => row.value.norm() * (is / was - Complex::ONE).norm(),
+                    _ => 0.0,
+                };
+                let by_itself =
+                    after.harmonic(row.order).map_or(0.0, |h| (h.value - row.value).norm());
+                by_input + by_itself > DETECTABLE_SIGMAS * law.std_of(row.value.norm())
             })
         };
         sound.experiments().iter().zip(faulty.experiments()).any(moved)
@@ -118,6 +130,7 @@ impl Mismeasurement {
 
 #[cfg(test)]
 mod tests {
+    use servoscope_core::answers::Channel;
     use servoscope_core::measurement::Harmonic;
 
     use super::super::fixtures::{LAW, table};
@@ -171,6 +184,22 @@ mod tests {
         check(&Mismeasurement::RunPhase { experiment: 0, degrees: 5.0 }, |place, _, k| {
             if place == 0 { turn(k) } else { ONE }
         });
+    }
+
+    // The noise of the fundamental, 2.2 to 8.9 in size, is 0.01.
+    #[test]
+    fn a_wrong_input_shows_where_the_response_to_it_moves_by_five_deviations() {
+        let sound = table(0);
+        let shows = |change: f64| {
+            let mut experiments = sound.experiments().to_vec();
+            experiments[11].input[1] *= 1.0 + change;
+            let metadata = sound.metadata().clone();
+            let faulty = Measurement::new(metadata, experiments, Vec::new(), String::new());
+            let (channel, limit) = (Channel::Input, 4.0);
+            let fault = Mismeasurement::Clipped { channel, limit, share: 0.01 };
+            fault.shows(&sound, &faulty.unwrap(), &LAW)
+        };
+        assert!(shows(0.006) && !shows(0.005));
     }
 
     #[test]

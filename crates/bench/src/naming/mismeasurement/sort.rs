@@ -143,6 +143,18 @@ impl Sort {
     }
 }
 
+/// The kind of fault of this name, as far as it is drawn.
+///
+/// # Errors
+/// A message that lists the kinds.
+pub fn drawn_fault(text: &str) -> Result<FaultKind, String> {
+    let is_drawn = |kind: &FaultKind| Sort::ALL.iter().any(|sort| sort.kind() == *kind);
+    let drawn = || FaultKind::ALL.into_iter().filter(is_drawn);
+    let names = || drawn().map(FaultKind::name).collect::<Vec<_>>().join(", ");
+    let found = drawn().find(|kind| kind.name() == text);
+    found.ok_or_else(|| format!("`{text}` is no fault that is drawn; there are {}", names()))
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;

@@ -1,8 +1,9 @@
 //! Samples of a record that do not belong to the rest: single values, or a few in a row, that a
 //! disturbance of the wires or of the transmission replaced.
 //!
-//! A channel with three or more periods is compared with the median over the periods. Otherwise the
-//! response alone is looked at, which moves smoothly from sample to sample; an input may jump. Samples
+//! A channel with three or more periods is compared with the median over the periods. Otherwise it is
+//! looked at as it is, where it moves smoothly from sample to sample. An input may consist of pulses: what
+//! stands out of it must be a small part of it. Samples
 //! are bad if their neighbours on both sides do not lead to them, and if the channel is as smooth as
 //! elsewhere once they are interpolated. A channel that is disturbed for longer at more places than these
 //! has none: something acts on it now and then.
@@ -28,6 +29,10 @@ const MOST_ALWAYS: usize = 8;
 /// Samples at nearly the same place of two periods, within so many samples, are no accident: what
 /// happens there varies from period to period.
 const SAME_PLACE: usize = 3;
+
+/// Largest share of the energy of an input, Σ(u − mean)², that bad samples can have where no other periods
+/// tell that they do not belong. Of an input of pulses these are all.
+const MOST_ENERGY: f64 = 0.05;
 
 /// Share of the largest value below which differences are rounding of arithmetic.
 const ARITHMETIC_SHARE: f64 = 1e-9;
@@ -69,9 +74,10 @@ impl Record {
         kind: ResponseKind,
     ) -> Option<(Self, Vec<BadSample>)> {
         let mut mended = self.clone();
-        let mut bad = mend(&mut mended.input, Channel::Input, periods, false);
-        let is_smooth = kind != ResponseKind::Acceleration;
-        bad.extend(mend(&mut mended.output, Channel::Response, periods, is_smooth));
+        let mut bad = mend(&mut mended.input, Channel::Input, periods);
+        if kind != ResponseKind::Acceleration || is_periodic(periods) {
+            bad.extend(mend(&mut mended.output, Channel::Response, periods));
+        }
         for one in &mut bad {
             one.time_s = self.time_s.get(one.first).copied().unwrap_or_default();
         }
@@ -79,15 +85,16 @@ impl Record {
     }
 }
 
-/// Interpolates the bad samples of the last periods of a channel, and returns them. Without enough periods
-/// of whole samples only a channel is looked at that is smooth.
-fn mend(values: &mut [f64], channel: Channel, periods: Periods, is_smooth: bool) -> Vec<BadSample> {
+/// Whether there are enough periods, of whole samples, to compare with each other.
+fn is_periodic(Periods { samples, count }: Periods) -> bool {
+    samples.fract() == 0.0 && count >= FEWEST_PERIODS
+}
+
+/// Interpolates the bad samples of the last periods of a channel, and returns them.
+fn mend(values: &mut [f64], channel: Channel, periods: Periods) -> Vec<BadSample> {
     let Periods { samples, count } = periods;
     let length = samples as usize;
-    let periodic = samples.fract() == 0.0 && count >= FEWEST_PERIODS;
-    if !periodic && !is_smooth {
-        return Vec::new();
-    }
+    let periodic = is_periodic(periods);
     let begin = values.len().saturating_sub((samples * count as f64).round() as usize);
     let usual = if periodic { median_period(&values[begin..], length) } else { vec![0.0] };
     let place = |index: usize| (index - begin) % usual.len();
@@ -120,6 +127,9 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods, is_smooth: bool)
         others += found.len() - accidents.len();
         found = accidents;
     }
+    if !periodic && channel == Channel::Input && !is_small_part(&found, &values[begin..]) {
+        return Vec::new();
+    }
     let all: usize = found.iter().map(|one| one.count).sum();
     // Where more is disturbed, and for longer, these are the shortest of such disturbances.
     if others > found.len() || all > MOST_ALWAYS.max((MOST_SHARE * values.len() as f64) as usize) {
@@ -131,6 +141,14 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods, is_smooth: bool)
         }
     }
     found
+}
+
+/// Whether bad samples have little of the energy of an input.
+fn is_small_part(found: &[BadSample], input: &[f64]) -> bool {
+    let mean = input.iter().sum::<f64>() / input.len().max(1) as f64;
+    let energy: f64 = input.iter().map(|value| (value - mean).powi(2)).sum();
+    let theirs: f64 = found.iter().map(|one| one.count as f64 * one.off.powi(2)).sum();
+    theirs <= MOST_ENERGY * energy
 }
 
 /// Those of bad samples that have no others near their place of the period in another period.

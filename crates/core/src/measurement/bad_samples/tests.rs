@@ -74,6 +74,22 @@ fn an_input_may_jump_but_differs_from_its_other_periods_only_where_it_is_disturb
 }
 
 #[test]
+fn a_spike_in_an_input_without_other_periods_is_found_but_an_input_of_pulses_has_none() {
+    let smooth = |n: usize| (TAU * n as f64 / 40.0).sin();
+    let mut record = record(1, 21);
+    assert_eq!(found(&record), [], "a square wave");
+    record.input = (0..LENGTH).map(smooth).collect();
+    record.input[130] += 2.0;
+    assert_eq!(found(&record), [(Channel::Input, 130, 1)]);
+    record.input.iter_mut().for_each(|value| *value *= 0.2);
+    record.input[130] += 1.6;
+    assert_eq!(found(&record), [], "half of the energy is in a pulse");
+    record.input.fill(0.0);
+    record.input[130..134].fill(1.0);
+    assert_eq!(found(&record), []);
+}
+
+#[test]
 fn a_jump_that_comes_a_sample_later_is_no_bad_sample() {
     let mut record = record(4, 5);
     record.input[LENGTH] = -1.0;

@@ -96,10 +96,13 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods) -> Vec<BadSample
     let length = samples as usize;
     let periodic = is_periodic(periods);
     let begin = values.len().saturating_sub((samples * count as f64).round() as usize);
-    let usual = if periodic { median_period(&values[begin..], length) } else { vec![0.0] };
-    let place = |index: usize| (index - begin) % usual.len();
+    let drift = if periodic { drift(&values[begin..], length) } else { 0.0 };
+    let moved_on = |index: usize| drift * (index - begin) as f64;
     let mut left: Vec<f64> =
-        (begin..values.len()).map(|index| values[index] - usual[place(index)]).collect();
+        (begin..values.len()).map(|index| values[index] - moved_on(index)).collect();
+    let usual = if periodic { median_period(&left, length) } else { vec![0.0] };
+    let place = |index: usize| (index - begin) % usual.len();
+    (begin..values.len()).zip(&mut left).for_each(|(index, left)| *left -= usual[place(index)]);
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let suspects = Suspects::of(&left, resolution::step(values).max(ARITHMETIC_SHARE * largest));
     let rough = suspects.mend(&mut left);
@@ -120,8 +123,9 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods) -> Vec<BadSample
     if periodic {
         let jumps = Jumps::of(&usual);
         found.retain(|one| {
-            let samples = &values[one.first..one.first + one.count];
-            !jumps.explain(samples, place(one.first), suspects.std)
+            let samples = one.first..one.first + one.count;
+            let samples: Vec<f64> = samples.map(|index| values[index] - moved_on(index)).collect();
+            !jumps.explain(&samples, place(one.first), suspects.std)
         });
         let accidents = accidents(&found, |one| place(one.first), length);
         others += found.len() - accidents.len();
@@ -137,7 +141,7 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods) -> Vec<BadSample
     }
     for one in &found {
         for index in one.first..one.first + one.count {
-            values[index] = left[index - begin] + usual[place(index)];
+            values[index] = left[index - begin] + usual[place(index)] + moved_on(index);
         }
     }
     found
@@ -166,12 +170,22 @@ fn accidents(
     found.iter().filter(is_alone).cloned().collect()
 }
 
+/// By how much a channel moves on from one sample to the next, as a position may: the median of its
+/// differences over a period, per sample.
+fn drift(values: &[f64], length: usize) -> f64 {
+    let further = values.iter().skip(length);
+    median(values.iter().zip(further).map(|(before, after)| after - before)) / length as f64
+}
+
 /// The median over the periods at each of their samples.
 fn median_period(values: &[f64], length: usize) -> Vec<f64> {
-    let median = |place: usize| {
-        let mut all: Vec<f64> = values.iter().skip(place).step_by(length).copied().collect();
-        let middle = all.len() / 2;
-        *all.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    (0..length).map(median).collect()
+    let at = |place: usize| values.iter().skip(place).step_by(length).copied();
+    (0..length).map(|place| median(at(place))).collect()
+}
+
+/// The upper median; 0 if there are no values.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = values.collect();
+    let middle = all.len() / 2;
+    if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

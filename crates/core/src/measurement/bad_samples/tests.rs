@@ -66,6 +66,19 @@ fn a_spike_and_a_dropout_are_found_where_they_are_and_interpolated_to_the_noise(
 }
 
 #[test]
+fn a_spike_in_a_position_that_moves_on_from_period_to_period_is_found() {
+    let mut record = record(4, 23);
+    for (index, value) in record.output.iter_mut().enumerate() {
+        *value += 0.5 * index as f64 / LENGTH as f64;
+    }
+    assert_eq!(found(&record), []);
+    record.output[3 * LENGTH + 150] -= 1.6;
+    record.output[3 * LENGTH + 350] += 0.7;
+    let expected = [3 * LENGTH + 150, 3 * LENGTH + 350].map(|at| (Channel::Response, at, 1));
+    assert_eq!(found(&record), expected);
+}
+
+#[test]
 fn an_input_may_jump_but_differs_from_its_other_periods_only_where_it_is_disturbed() {
     let mut record = record(4, 3);
     assert_eq!(found(&record), []);

@@ -43,6 +43,22 @@ fn peak_to_peak_values_are_told_by_means_that_the_noise_hides() {
     assert_eq!(outcome.verdict(), Some(Verdict::Adequate));
 }
 
+// A lead of 0.69 ms in a single period, of which a joint with a large damping is the nearest imitation.
+#[test]
+fn a_lead_is_told_from_a_joint_in_a_single_period_of_which_the_noise_is_unknown() {
+    let outcome = outcome(3405, "mismeasured-record-60-o2-8");
+    assert_eq!(outcome.answer.as_ref().unwrap().faults, [FaultKind::ChannelSkew]);
+    assert_eq!(outcome.verdict(), Some(Verdict::Adequate), "{:?}", outcome.causes());
+}
+
+// Two samples of each of four periods.
+#[test]
+fn a_channel_that_cuts_off_a_thousandth_of_the_input_is_no_slew_limit() {
+    let outcome = outcome(3401, "mismeasured-record-60-o2-5");
+    assert_eq!(outcome.answer.as_ref().unwrap().faults, [FaultKind::ClippedInput]);
+    assert_eq!(outcome.verdict(), Some(Verdict::Adequate), "{:?}", outcome.causes());
+}
+
 mod long {
     use super::*;
 

@@ -74,9 +74,10 @@ impl Record {
         kind: ResponseKind,
     ) -> Option<(Self, Vec<BadSample>)> {
         let mut mended = self.clone();
-        let mut bad = mend(&mut mended.input, Channel::Input, periods);
+        let mut bad = mend(&mut mended.input, Channel::Input, periods, false);
         if kind != ResponseKind::Acceleration || is_periodic(periods) {
-            bad.extend(mend(&mut mended.output, Channel::Response, periods));
+            let moves_on = kind == ResponseKind::Position;
+            bad.extend(mend(&mut mended.output, Channel::Response, periods, moves_on));
         }
         for one in &mut bad {
             one.time_s = self.time_s.get(one.first).copied().unwrap_or_default();
@@ -90,13 +91,14 @@ fn is_periodic(Periods { samples, count }: Periods) -> bool {
     samples.fract() == 0.0 && count >= FEWEST_PERIODS
 }
 
-/// Interpolates the bad samples of the last periods of a channel, and returns them.
-fn mend(values: &mut [f64], channel: Channel, periods: Periods) -> Vec<BadSample> {
+/// Interpolates the bad samples of the last periods of a channel, and returns them. A channel that
+/// `moves_on` may end a period elsewhere than it began.
+fn mend(values: &mut [f64], channel: Channel, periods: Periods, moves_on: bool) -> Vec<BadSample> {
     let Periods { samples, count } = periods;
     let length = samples as usize;
     let periodic = is_periodic(periods);
     let begin = values.len().saturating_sub((samples * count as f64).round() as usize);
-    let drift = if periodic { drift(&values[begin..], length) } else { 0.0 };
+    let drift = if periodic && moves_on { drift(&values[begin..], length) } else { 0.0 };
     let moved_on = |index: usize| drift * (index - begin) as f64;
     let mut left: Vec<f64> =
         (begin..values.len()).map(|index| values[index] - moved_on(index)).collect();
@@ -170,7 +172,7 @@ fn accidents(
     found.iter().filter(is_alone).cloned().collect()
 }
 
-/// By how much a channel moves on from one sample to the next, as a position may: the median of its
+/// By how much a channel moves on from one sample to the next: the median of its
 /// differences over a period, per sample.
 fn drift(values: &[f64], length: usize) -> f64 {
     let further = values.iter().skip(length);

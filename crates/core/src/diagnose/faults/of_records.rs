@@ -51,6 +51,7 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
             search.consider(&session, &model, &[MeasurementFault::of(kind)], price);
         }
     }
+    search.settle_starts();
     let experiments = suspects.session.measurement().experiments();
     for start in search.starts.clone() {
         search.fit_beside(&start, &[Skew]);
@@ -157,6 +158,17 @@ impl<'a> Search<'a> {
         let alone = models.all().filter(|(key, model)| key.len() == 1 && model.cost.is_finite());
         let alone = alone.map(|(_, model)| model.clone());
         std::iter::once(session.base().clone()).chain(alone).chain(self.starts.clone()).collect()
+    }
+
+    /// Fits the starts that are parts of another model. What a fault explains is counted from a fit.
+    fn settle_starts(&mut self) {
+        let session = self.suspects.session;
+        for start in self.starts.iter_mut().filter(|start| !start.cost.is_finite()) {
+            *start = match start.effects() {
+                [] => session.base().clone(),
+                _ => session.refine(start, FitAccuracy::Settle),
+            };
+        }
     }
 
     /// Whether a model beside a fault leaves far less, beyond noise, than the fault explains. An effect

@@ -39,7 +39,11 @@ fn periods(record: &Record) -> Periods {
 }
 
 fn found(record: &Record) -> Vec<(Channel, usize, usize)> {
-    let bad = record.without_bad_samples(periods(record), ResponseKind::Velocity);
+    found_in(record, ResponseKind::Velocity)
+}
+
+fn found_in(record: &Record, kind: ResponseKind) -> Vec<(Channel, usize, usize)> {
+    let bad = record.without_bad_samples(periods(record), kind);
     let bad = bad.map_or(Vec::new(), |(_, bad)| bad);
     bad.iter().map(|one| (one.channel, one.first, one.count)).collect()
 }
@@ -71,11 +75,11 @@ fn a_spike_in_a_position_that_moves_on_from_period_to_period_is_found() {
     for (index, value) in record.output.iter_mut().enumerate() {
         *value += 0.5 * index as f64 / LENGTH as f64;
     }
-    assert_eq!(found(&record), []);
+    assert_eq!(found_in(&record, ResponseKind::Position), []);
     record.output[3 * LENGTH + 150] -= 1.6;
     record.output[3 * LENGTH + 350] += 0.7;
     let expected = [3 * LENGTH + 150, 3 * LENGTH + 350].map(|at| (Channel::Response, at, 1));
-    assert_eq!(found(&record), expected);
+    assert_eq!(found_in(&record, ResponseKind::Position), expected);
 }
 
 #[test]

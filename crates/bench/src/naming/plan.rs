@@ -244,14 +244,14 @@ mod tests {
     }
 
     #[test]
-    fn faults_can_be_chosen_by_their_kind_and_keep_their_keys() {
+    fn faults_can_be_chosen_by_their_kind_and_clean_draws_keep_their_keys() {
         let kinds = vec![Kind::Mismeasured];
         let plan = Plan { kinds, mismeasured: 4, ..Plan::default() };
         let all: HashSet<String> = plan.cases().iter().map(Case::to_string).collect();
-        let faults = vec![FaultKind::StdFactor, FaultKind::BadRows];
-        let cases = Plan { faults, ..plan }.cases();
-        assert_eq!(cases.len(), 2 * 2 * 3 * 4);
         let wanted = [FaultKind::StdFactor, FaultKind::BadRows];
+        let cases = Plan { faults: wanted.into(), ..plan }.cases();
+        // Two levels, clean and with an effect, two sorts of bad rows and one of a wrong std.
+        assert_eq!(cases.len(), 2 * 2 * 3 * 4);
         assert!(cases.iter().all(|case| wanted.contains(&Sort::of(case).unwrap().kind())));
         let clean = cases.iter().filter(|case| case.effect.is_none());
         assert!(clean.map(Case::to_string).all(|key| all.contains(&key)));

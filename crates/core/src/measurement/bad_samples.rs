@@ -2,11 +2,11 @@
 //! disturbance of the wires or of the transmission replaced.
 //!
 //! A channel with three or more periods is compared with the median over the periods. Otherwise it is
-//! looked at as it is, where it moves smoothly from sample to sample. An input may consist of pulses: what
-//! stands out of it must be a small part of it. Samples
-//! are bad if their neighbours on both sides do not lead to them, and if the channel is as smooth as
-//! elsewhere once they are interpolated. A channel that is disturbed for longer at more places than these
-//! has none: something acts on it now and then.
+//! looked at as it is, but for an acceleration, which may jump. So may an input, and it may consist of
+//! pulses: what stands out of it must be a small part of it. Samples are bad if their neighbours on both
+//! sides do not lead to them, and if the channel is as smooth as elsewhere once they are interpolated. A
+//! channel that is disturbed for longer at more places than these has none: something acts on it now and
+//! then.
 
 mod jumps;
 mod suspect;
@@ -172,8 +172,8 @@ fn accidents(
     found.iter().filter(is_alone).cloned().collect()
 }
 
-/// By how much a channel moves on from one sample to the next: the median of its
-/// differences over a period, per sample.
+/// By how much a channel moves on from one sample to the next: the median of its differences over a
+/// period, per sample.
 fn drift(values: &[f64], length: usize) -> f64 {
     let further = values.iter().skip(length);
     median(values.iter().zip(further).map(|(before, after)| after - before)) / length as f64

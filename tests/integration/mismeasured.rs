@@ -51,6 +51,16 @@ fn a_lead_is_told_from_a_joint_in_a_single_period_of_which_the_noise_is_unknown(
     assert_eq!(outcome.verdict(), Some(Verdict::Adequate), "{:?}", outcome.causes());
 }
 
+// 9.4 ms. Without it the friction that falls with the speed never fits, and no fault is found beside
+// effects that do not fit.
+#[test]
+fn a_lead_beside_a_friction_that_falls_with_the_speed_is_named_with_it() {
+    let outcome = outcome(3403, "mismeasured-record-60-stribeck-o1-1");
+    assert_eq!(outcome.answer.as_ref().unwrap().faults, [FaultKind::ChannelSkew]);
+    assert_eq!(outcome.verdict(), Some(Verdict::Explained));
+    assert!(outcome.named_first(), "{:?}", outcome.causes());
+}
+
 // Two samples of each of four periods.
 #[test]
 fn a_channel_that_cuts_off_a_thousandth_of_the_input_is_no_slew_limit() {

@@ -13,6 +13,8 @@ pub(crate) struct Data<'a> {
     pub measurement: &'a Measurement,
     /// Whether faults of it are looked for.
     pub doubted: bool,
+    /// By how much its response was ahead of its input before that was mended, s.
+    pub lead_s: f64,
 }
 
 /// Faults that were found before an answer was complete.

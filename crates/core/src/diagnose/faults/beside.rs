@@ -20,6 +20,10 @@ pub(super) trait OneNumber {
     fn candidate(&self, cells: &[&Cell]) -> Candidate;
     /// The fault, with its number and the standard deviation of that. Numbers add up.
     fn fault(&self, number: f64, deviation: f64) -> MeasurementFault;
+    /// What the number is larger than.
+    fn least(&self) -> f64 {
+        f64::NEG_INFINITY
+    }
 }
 
 /// A model beside a fault.
@@ -57,7 +61,7 @@ pub(super) fn best<'a>(
     let (mut session, mut model) = (None, start.clone());
     let (mut number, mut moved) = (0.0, step.number);
     for _ in 0..MOST_ROUNDS {
-        let is_possible = !step.positive || number + moved > 0.0;
+        let is_possible = number + moved > of.least();
         let is_enough = step.misfit + step.price - least <= 2.0 * step.gain;
         let is_last = session.is_some() && moved.abs() < step.deviation;
         if is_last || !(is_possible && is_enough) {
@@ -94,8 +98,6 @@ struct Step {
     number: f64,
     /// Standard deviation of the number.
     deviation: f64,
-    /// Whether the number can only be positive.
-    positive: bool,
     /// −2 ln likelihood before the step, and by how much the step lowers it.
     misfit: f64,
     gain: f64,
@@ -124,7 +126,6 @@ impl<'s> Linearised<'s> {
         Some(Step {
             number: values[0],
             deviation: scale.sqrt() * outside.deviations()[0],
-            positive: candidate.positive,
             misfit: *misfit,
             gain: misfit - suspects.misfit_of_noise(cost * (1.0 - decrease / all)),
             price: candidate.price + outside.volume(decrease / scale),
@@ -145,8 +146,8 @@ mod tests {
     use crate::observer::Silent;
 
     /// The lead that is found beside the base model of a healthy axis whose response is ahead by a
-    /// time, s.
-    fn lead(seconds: f64) -> Option<f64> {
+    /// time, s, after another was mended.
+    fn lead(seconds: f64, mended_s: f64) -> Option<f64> {
         let sound = multisine_record(plant(), &[], None, 5);
         let turn = |_, omega_rad_s| Complex::from_polar(1.0, omega_rad_s * seconds);
         let measurement = multiplied(&sound, turn);
@@ -155,15 +156,22 @@ mod tests {
         let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
         let base = &session.judge(session.base(), Intervals::Curvature).unwrap();
         let models = &Models::new(session.base().clone(), NoiseScale::of(session));
-        let suspects = Suspects { session, base, models, combined: false, seed: 1 };
-        let found = best(&suspects, session.base(), suspects.best_without(), &[Skew])?;
+        let suspects =
+            Suspects { session, base, models, combined: false, seed: 1, lead_s: mended_s };
+        let found = best(&suspects, session.base(), suspects.best_without(), &[Skew { mended_s }])?;
         found.fault.value
     }
 
     // A single search need not come to the end: the mended measurement is diagnosed again.
     #[test]
     fn a_response_that_is_ahead_has_a_lead_and_one_that_is_late_none() {
-        assert!(lead(1e-2).is_some_and(|seconds| seconds > 0.0));
-        assert_eq!(lead(-1e-2), None);
+        assert!(lead(1e-2, 0.0).is_some_and(|seconds| seconds > 0.0));
+        assert_eq!(lead(-1e-2, 0.0), None);
+    }
+
+    #[test]
+    fn a_lead_that_was_mended_too_much_is_corrected_but_not_beyond_all_of_it() {
+        assert!(lead(-1e-2, 5e-2).is_some_and(|seconds| seconds < 0.0));
+        assert!(lead(-1e-2, 1e-3).is_none_or(|seconds| seconds > -1e-3));
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     search.settle_starts();
     let experiments = suspects.session.measurement().experiments();
     for start in search.starts.clone() {
-        search.fit_beside(&start, &[Skew]);
+        search.fit_beside(&start, &[Skew { mended_s: suspects.lead_s }]);
     }
     if experiments.len() > 1 {
         for start in search.starts_of_runs() {

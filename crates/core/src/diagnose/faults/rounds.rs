@@ -13,7 +13,7 @@ use super::mending::Mended;
 use super::reached::Reached;
 use super::standing::{changes_all_alike, is_clearly_better, is_explained, stands_alone};
 use super::unmended::{as_answered, base_alone};
-use super::{clipping, isolated, mending, readings, renumber, retest, row_regions, words};
+use super::{clipping, isolated, mending, readings, renumber, retest, row_regions, skew, words};
 
 /// Most rounds of mending the measurement and diagnosing it again.
 const MOST_ROUNDS: usize = 5;
@@ -75,7 +75,8 @@ impl Rounds<'_> {
         let reached = Reached::of(self.part);
         for round in 0..=MOST_ROUNDS {
             let Ok(mended) = mending::mended(self.measurement, &self.faults) else { break };
-            let data = Data { measurement: &mended.measurement, doubted: round < MOST_ROUNDS };
+            let (measurement, doubted) = (&mended.measurement, round < MOST_ROUNDS);
+            let data = Data { measurement, doubted, lead_s: skew::lead_s(&self.faults) };
             let next = match weighting_choice::diagnose(data, self.request, reached.rest()) {
                 Ok(answer) if self.faults.is_empty() => self.without_a_fault(answer),
                 Ok(answer) => self.with_faults(answer),
@@ -119,6 +120,10 @@ impl Rounds<'_> {
             Some(read) => vec![read],
             None => clipping::faults(measurement.experiments()),
         };
+        if self.faults.is_empty() {
+            let order = retest::order(&answer);
+            self.faults.extend(skew::beside_the_base_model(measurement, order, request, &quiet));
+        }
         if self.faults.is_empty() {
             self.faults.extend(isolated::rows(&answer, measurement));
         }
@@ -236,7 +241,7 @@ pub(super) fn undoubted(
     request: &IdentifyRequest,
     part: Part<'_>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let data = Data { measurement, doubted: false };
+    let data = Data { measurement, doubted: false, lead_s: 0.0 };
     match weighting_choice::diagnose(data, request, part) {
         Ok(answer) => Ok(answer),
         Err(Halt::Error(error)) => Err(error),

@@ -5,17 +5,29 @@
 
 use std::f64::consts::TAU;
 
-use crate::answers::{FaultKind, MeasurementFault};
-use crate::measurement::Complex;
+use crate::answers::{FaultKind, MeasurementFault, PlantRequest};
+use crate::identify::{FitSession, IdentifyRequest, Intervals};
+use crate::measurement::{Complex, Measurement};
+use crate::observer::Observer;
 
 use crate::diagnose::residuals::layout::Cell;
+use crate::diagnose::selection::evidence::NoiseScale;
+use crate::diagnose::selection::models::Models;
 
-use super::beside::OneNumber;
+use super::beside::{self, OneNumber};
 use super::candidates::{Candidate, FAULT_COST, PHASE_DEVIATION, Place, column};
 use super::fault;
+use super::suspects::Suspects;
+
+/// −2 ln evidence that a correction of a lead costs, whose prior odds and volume are paid for: one by less
+/// than two standard deviations is none.
+const CORRECTION_COST: f64 = 4.0;
 
 /// A response that is ahead by a time, s.
-pub(super) struct Skew;
+pub(super) struct Skew {
+    /// By how much more it was ahead before that was mended, s.
+    pub mended_s: f64,
+}
 
 impl OneNumber for Skew {
     fn candidate(&self, cells: &[&Cell]) -> Candidate {
@@ -23,19 +35,58 @@ impl OneNumber for Skew {
         let fastest = TAU * excited.map(|cell| cell.frequency_hz).fold(0.0, f64::max);
         // Each cell is one line, so that its frequency is that of the line.
         let turned = |cell: &Cell| Complex::new(0.0, TAU * cell.frequency_hz) * cell.simulated;
+        let is_new = self.mended_s == 0.0;
         Candidate {
             kind: FaultKind::ChannelSkew,
             place: Place::All,
             columns: vec![column(cells, turned)],
-            deviation: Some(PHASE_DEVIATION / fastest),
-            price: FAULT_COST,
-            positive: true,
+            deviation: is_new.then_some(PHASE_DEVIATION / fastest),
+            price: if is_new { FAULT_COST } else { CORRECTION_COST },
+            // What was mended may have been too much.
+            positive: is_new,
         }
     }
 
     fn fault(&self, seconds: f64, deviation: f64) -> MeasurementFault {
         fault::timed(seconds, deviation)
     }
+
+    fn least(&self) -> f64 {
+        -self.mended_s
+    }
+}
+
+/// The lead that these faults have, s; 0 without any.
+pub(super) fn lead_s(faults: &[MeasurementFault]) -> f64 {
+    let leads = faults.iter().filter(|fault| fault.fault == FaultKind::ChannelSkew);
+    leads.filter_map(|fault| fault.value).sum()
+}
+
+/// The lead beside the base model with an actuator of this order, if it explains more of a record than all
+/// that is left of it beyond noise. Effects that belong beside it may never have been fitted well: without
+/// it they have other values.
+pub(super) fn beside_the_base_model(
+    measurement: &Measurement,
+    actuator_order: u8,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<MeasurementFault> {
+    let plant = Some(PlantRequest { actuator_order });
+    let request = IdentifyRequest { plant, ..*request };
+    let session = FitSession::new(measurement, &request, observer).ok()?;
+    if session.has_cosines_alone() || !session.noise_known() {
+        return None;
+    }
+    let alone = session.base();
+    let base = session.judge(alone, Intervals::Curvature).ok()?;
+    let models = Models::new(alone.clone(), NoiseScale::of(&session));
+    let seed = request.options.seed;
+    let (session, base, models) = (&session, &base, &models);
+    let suspects = Suspects { session, base, models, combined: false, seed, lead_s: 0.0 };
+    let least = suspects.misfit_of_noise(alone.cost);
+    let found = beside::best(&suspects, alone, least, &[Skew { mended_s: 0.0 }])?;
+    let beyond_noise = found.model.cost - suspects.dof();
+    (beyond_noise < alone.cost - found.model.cost).then_some(found.fault)
 }
 
 #[cfg(test)]

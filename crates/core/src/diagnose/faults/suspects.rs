@@ -56,6 +56,8 @@ pub(crate) struct Suspects<'a> {
     pub combined: bool,
     /// Seed of the draws of noise.
     pub seed: u64,
+    /// By how much the response was ahead of the input before that was mended, s.
+    pub lead_s: f64,
 }
 
 impl Suspects<'_> {

@@ -19,7 +19,8 @@ pub(in crate::diagnose) fn alone(session: &FitSession<'_>, seed: u64) -> Option<
     let as_measured = readings::as_measured(session)?;
     let base = session.judge(session.base(), Intervals::Curvature).ok()?;
     let models = Models::new(session.base().clone(), NoiseScale::of(session));
-    let suspects = Suspects { session, base: &base, models: &models, combined: false, seed };
+    let (base, models) = (&base, &models);
+    let suspects = Suspects { session, base, models, combined: false, seed, lead_s: 0.0 };
     let (found, wanted): (_, &[FaultKind]) = match session.has_cosines_alone() {
         true => (suspects.beside_the_base_model()?, &[FaultKind::LevelGain]),
         false => (

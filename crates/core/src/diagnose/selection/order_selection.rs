@@ -115,7 +115,7 @@ pub(crate) fn diagnose(
         let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
         // A fault of a record costs more than chance gains.
         let margin = if first.has_cosines_alone() { CLEARLY_BETTER } else { 0.0 };
-        doubt(&studies, margin, &is_clear)?;
+        doubt(&studies, data, margin, &is_clear)?;
     }
     studies[0].combine(part.part(spans.combining[0]), most, measurement)?;
     if !studies[0].explained() && studies.len() > 1 {
@@ -129,7 +129,7 @@ pub(crate) fn diagnose(
         let explained = studies[0].explained() && !studies[0].chosen.is_empty();
         let leaves_out = first.has_cosines_alone();
         let margin = if explained && leaves_out { EQUIVALENCE_MARGIN } else { 0.0 };
-        alternative = doubt(&studies, margin, &|_| true)?;
+        alternative = doubt(&studies, data, margin, &|_| true)?;
     }
     let best = studies.remove(0);
     if best.order() < suited {
@@ -183,6 +183,7 @@ impl Alternative {
 /// Halts where it is better by more than a margin of −2 ln evidence.
 fn doubt(
     studies: &[OrderStudy<'_>],
+    data: Data<'_>,
     margin: f64,
     is_clear: &dyn Fn(&Suspected) -> bool,
 ) -> Result<Option<Alternative>, Halt> {
@@ -190,7 +191,7 @@ fn doubt(
     let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
     let without = without.fold(f64::INFINITY, f64::min);
     let suspected = studies.iter().filter_map(|study| {
-        let suspected = study.suspected().filter(is_clear)?;
+        let suspected = study.suspected(data.lead_s).filter(is_clear)?;
         let lead = without - suspected.criterion - order_cost(study);
         Some(Alternative { faults: suspected.faults, lead })
     });

@@ -138,13 +138,15 @@ impl<'a> OrderStudy<'a> {
     }
 
     /// The best model with faults of the measurement. Where the chosen model leaves only noise, a
-    /// model with other effects and a fault cannot be more likely.
-    pub fn suspected(&self) -> Option<Suspected> {
+    /// model with other effects and a fault cannot be more likely. By `lead_s` (s) the response was
+    /// ahead of the input before that was mended.
+    pub fn suspected(&self, lead_s: f64) -> Option<Suspected> {
         let is_part = |key: &Key| key.iter().all(|id| self.chosen.contains(id));
         let wanted = |key: &Key| !self.explained() || is_part(key);
+        let suspects = Suspects { lead_s, ..self.suspects() };
         match self.session.has_cosines_alone() {
-            true => self.suspects().best(wanted),
-            false => of_records::best(&self.suspects(), wanted),
+            true => suspects.best(wanted),
+            false => of_records::best(&suspects, wanted),
         }
     }
 
@@ -171,7 +173,7 @@ impl<'a> OrderStudy<'a> {
     fn suspects(&self) -> Suspects<'_> {
         let Self { session, fit, search, seed, combined, .. } = self;
         let (models, combined, seed) = (&search.models, *combined, *seed);
-        Suspects { session, base: fit, models, combined, seed }
+        Suspects { session, base: fit, models, combined, seed, lead_s: 0.0 }
     }
 
     /// The answer so far.

@@ -207,7 +207,7 @@ mod tests {
         request: &IdentifyRequest,
         part: Part<'_>,
     ) -> Diagnosis {
-        diagnose(Data { measurement, doubted: false }, request, part).unwrap()
+        diagnose(Data { measurement, doubted: false, lead_s: 0.0 }, request, part).unwrap()
     }
 
     fn diagnosed(experiments: Vec<Experiment>) -> Diagnosis {

@@ -167,9 +167,13 @@ impl Record {
         }
         remarks.extend(travel.remark(&returning));
         let beginning = settling::Beginning::of(&outputs, &returning, samples);
+        let rounding_std = self.rounding_std(&outputs, samples);
+        // A line at the Nyquist frequency has no phase.
+        let below_nyquist = (0.5 * samples).ceil() as usize;
+        outputs.iter_mut().for_each(|lines| lines.truncate(below_nyquist));
         let experiment = Experiment {
             mean_velocity: travel.distance() / period_s,
-            rounding_std: self.rounding_std(&outputs, samples),
+            rounding_std,
             open_samples: intersample.is_none().then_some(samples),
             ..self.joined(period_s, &inputs, &outputs, remarks)
         };

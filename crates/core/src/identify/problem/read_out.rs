@@ -25,10 +25,11 @@ impl Prepared {
         plant: &Plant,
         effects: &[ActiveEffect],
     ) -> Result<Vec<Complex>, NoResponse> {
-        let Self { excitation, highest, range, .. } = self;
-        let mut velocity = simulate::respond_if(counts, plant, effects, excitation, *highest)?;
-        if let Some(range) = range {
+        let (excitation, simulated) = (&self.excitation, self.highest_simulated());
+        let mut velocity = simulate::respond_if(counts, plant, effects, excitation, simulated)?;
+        if let Some(range) = self.range {
             range.cut_off(&mut velocity, &mut []);
+            velocity.truncate(self.highest + 1);
         }
         Ok(velocity)
     }
@@ -44,14 +45,23 @@ impl Prepared {
         (plant, variables): (&Plant<Wide>, usize),
         effects: &[ActiveEffect],
     ) -> Result<Response, NoResponse> {
-        let Self { excitation, highest, range, .. } = self;
+        let (excitation, simulated) = (&self.excitation, self.highest_simulated());
         let mut response = simulate::respond_with_sensitivities(
-            counts, plant, variables, effects, excitation, *highest,
+            counts, plant, variables, effects, excitation, simulated,
         )?;
-        if let Some(range) = range {
+        if let Some(range) = self.range {
             range.cut_off(&mut response.velocity, &mut response.sensitivities);
+            let rows = response.sensitivities.iter_mut().chain([&mut response.velocity]);
+            rows.for_each(|row| row.truncate(self.highest + 1));
         }
         Ok(response)
+    }
+
+    /// Highest harmonic that is simulated. Where a channel cuts off samples, all harmonics decide of which
+    /// samples it does.
+    fn highest_simulated(&self) -> usize {
+        let below_nyquist = self.range.map_or(0, |range| range.samples.saturating_sub(1) / 2);
+        self.highest.max(below_nyquist)
     }
 }
 
@@ -106,6 +116,25 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::identify::fixtures::{ACTUATORS, axis, joined, multisine};
+    use crate::identify::problem::Problem;
+
+    // Folds leave lines out.
+    #[test]
+    fn a_channel_cuts_off_the_same_of_a_model_whatever_lines_are_compared() {
+        let plant = axis(ACTUATORS[0]);
+        let mut experiments = multisine(&plant).experiments().to_vec();
+        experiments[0].range = Some(ChannelRange { lowest: -1.0, highest: 1.0, samples: 64 });
+        let all = Problem::new(&joined(experiments)).unwrap();
+        let few = all.only(&all.subset(|_, target| target.order < 10));
+        let plant = all.in_scale(&plant);
+        let lines = |problem: &Problem| {
+            problem.experiments[0].respond(Counts::FromRest, &plant, &[]).unwrap()
+        };
+        let (all, few) = (lines(&all), lines(&few));
+        assert_eq!((all.len(), few.len()), (31, 10));
+        assert_eq!(all[..10], few);
+    }
 
     // The fundamental of a cosine that is cut off at c: (2/π)(asin c + c·√(1 − c²)), and its derivative
     // by the amplitude at 1, (2/π)(asin c − c·√(1 − c²)).

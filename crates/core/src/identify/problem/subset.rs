@@ -29,10 +29,7 @@ impl Problem {
         let mut rest = self.clone();
         for (e, experiment) in rest.experiments.iter_mut().enumerate() {
             experiment.targets = subset.of(e, &experiment.targets);
-            // What a channel cuts off depends on all harmonics.
-            if experiment.range.is_none() {
-                experiment.highest = experiment.targets.last().map_or(0, |target| target.order);
-            }
+            experiment.highest = experiment.targets.last().map_or(0, |target| target.order);
         }
         rest
     }

@@ -54,6 +54,22 @@ fn one_period_is_accepted_without_deviations() {
     assert!(m.notes().iter().any(|note| note.contains("one whole period")));
 }
 
+// There the samples fold a line onto itself.
+#[test]
+fn a_response_ends_below_the_nyquist_frequency() {
+    for (samples, last) in [(20, 9), (21, 10)] {
+        let mut text = format!("# period_s: 0.0{samples}\ntime_s,input,output\n");
+        for n in 0..4 * samples {
+            let at = |place: i32| f64::from(u8::from(n % samples == place));
+            let scatter = 1e-4 * f64::from((n * 7919) % 101);
+            text += &format!("{:.3},{},{:.6}\n", f64::from(n) * 1e-3, at(3), at(5) + scatter);
+        }
+        let m = ok(&text);
+        assert_eq!(m.experiments()[0].highest_harmonic(), last);
+        assert_eq!(m.experiments()[0].input.len() as i32, samples / 2 + 1);
+    }
+}
+
 #[test]
 fn periods_that_are_copies_say_nothing_of_the_noise() {
     let one = record(100, 1);

@@ -72,6 +72,16 @@ fn a_channel_that_cuts_off_a_thousandth_of_the_input_is_no_slew_limit() {
 mod long {
     use super::*;
 
+    // Without the three samples in a thousand that are cut off of the input, the best model is a backlash
+    // whose last step leads to where it has no periodic response from rest.
+    #[test]
+    #[ignore = "slow: 1 diagnosis"]
+    fn a_model_without_a_response_does_not_end_the_search_for_a_channel_that_clips() {
+        let outcome = outcome(3407, "mismeasured-record-60-viscous_asymmetry-o1-19");
+        assert_eq!(outcome.answer.as_ref().unwrap().faults, [FaultKind::ClippedInput]);
+        assert!(outcome.named_first(), "{:?}", outcome.causes());
+    }
+
     // 19 of 384 rows are 5 to 50 % off, 9 of them by more than five deviations, beside a play of which the
     // base model leaves ten times the noise.
     #[test]

@@ -81,8 +81,8 @@ impl Search<'_> {
     }
 
     /// Fits the models with a special case of an effect in its place, such as a flexible mode for
-    /// backlash, where the search has not, and those without each of its effects: the gap that was
-    /// found may be none. Likewise with what an effect is a special case of, if the first steps of a
+    /// backlash, where the search has not or has found one that fits worse, and those without each of its
+    /// effects: the gap that was found may be none. Likewise with what an effect is a special case of, if the first steps of a
     /// fit gain more than chance does: a gap that was not looked for may be there. Returns whether
     /// there was any.
     pub fn exchange_nested(&mut self, chosen: &Key, part: Part<'_>) -> bool {
@@ -96,18 +96,22 @@ impl Search<'_> {
             for other in self.session.library().iter().filter(is_nested) {
                 // A general case begins near the special one.
                 let [_, start] = self.session.exchange((model, index), *other);
-                starts.extend(self.models.get(&key(&start)).is_none().then_some(start));
+                starts.push(start);
             }
         }
         let fitter = self.fitter(part, chosen.len().saturating_sub(1));
         let misfit = |model: &Model| self.models.noise_scale.misfit(model.cost);
         let refit = |start: &Model| {
-            if start.parameters() < model.parameters() {
-                return Some(fitter.refine(start, FitAccuracy::Settle));
-            }
-            let general = fitter.refine(start, FitAccuracy::Glance);
-            let gains = misfit(model) - misfit(&general) > CHANCE_GAIN;
-            gains.then(|| fitter.refine(&general, FitAccuracy::Settle))
+            let is_special = start.parameters() < model.parameters();
+            let most = match self.models.get(&key(start)) {
+                None if is_special => return Some(fitter.refine(start, FitAccuracy::Settle)),
+                None => misfit(model) - CHANCE_GAIN,
+                // What it is a special case of found a better place, such as a gap that is none.
+                Some(known) if is_special && misfit(model) < misfit(known) => misfit(known),
+                Some(_) => return None,
+            };
+            let begun = fitter.refine(start, FitAccuracy::Glance);
+            (misfit(&begun) < most).then(|| fitter.refine(&begun, FitAccuracy::Settle))
         };
         let fits: Vec<Model> = starts.par_iter().filter_map(refit).collect();
         let found: Vec<Key> = fits.iter().map(key).collect();
@@ -136,10 +140,11 @@ mod tests {
     use crate::diagnose::fixtures::{multisine_record, plant};
     use crate::diagnose::search::linearization::Linearization;
     use crate::diagnose::search::tests::{PART, nothing_fitted};
+    use crate::diagnose::selection::evidence::CHANCE_GAIN;
     use crate::diagnose::selection::models::key;
     use crate::diagnose::tests::{exact, noisy, request};
     use crate::effects::find;
-    use crate::identify::{FitAccuracy, FitSession, IdentifyRequest};
+    use crate::identify::{FitAccuracy, FitSession, IdentifyRequest, Model};
     use crate::machines::draw::NoiseStatement;
     use crate::machines::simulator::Effect;
     use crate::measurement::Measurement;
@@ -181,6 +186,33 @@ mod tests {
         for id in ["flexible_mode", "quadratic_drag"] {
             assert!(search.models.ranked(1).contains(&vec![id]), "{id} alone");
         }
+    }
+
+    #[test]
+    fn a_flexible_mode_in_a_worse_place_is_fitted_again_from_a_backlash_whose_gap_is_none() {
+        let joint = [("load_inertia_fraction", 0.4), ("stiffness", 30.0), ("damping", 0.05)];
+        let joint = Effect::new("flexible_mode", joint);
+        let measurement = multisine_record(plant(), &[joint], None, 5);
+        let plant = Some(PlantRequest { actuator_order: 1 });
+        let request = IdentifyRequest { plant, ..request() };
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let [joint, play] = ["flexible_mode", "backlash"].map(|id| find(id).unwrap());
+        let refine = |model: &Model| session.refine(model, FitAccuracy::Settle);
+        let fits = session.start_points(joint).into_iter().map(|place| {
+            let mut model = session.extend(session.base(), joint);
+            model.parameters_of(0).zip(&place).for_each(|(i, value)| model.set(i, *value));
+            refine(&model)
+        });
+        let right = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap();
+        let without_gap = refine(&session.exchange((&right, 0), play)[1]);
+        let mut astray = session.extend(session.base(), joint);
+        astray.cost = 1e12;
+        let mut search = nothing_fitted(session);
+        search.keep(vec![astray, without_gap.clone()]);
+        assert!(search.exchange_nested(&key(&without_gap), PART));
+        let again = search.models.get(&key(&right)).unwrap();
+        assert!(again.cost < without_gap.cost + CHANCE_GAIN, "{} {}", again.cost, right.cost);
+        assert_eq!(search.models.ranked(1)[0], key(&right));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! them together do not help, all are withdrawn.
 
 use crate::answers::{Diagnosis, Discrepancy, Gain, NextExperiment, Verdict};
-use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, ModelFit};
+use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, Model, ModelFit};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
 
@@ -180,12 +180,16 @@ impl ReportAssembly<'_> {
         if self.fits { high < 1.0 } else { low <= 1.0 }
     }
 
-    /// The model with the causes, refined to full accuracy; `None` if no cause is named.
+    /// The model with the causes, refined to full accuracy unless that leads to where it has no response
+    /// from rest; `None` if no cause is named.
     fn extended(&self) -> Result<Option<ModelFit>, DiagnoseError> {
         let Self { session, models, chosen, .. } = self;
         let model = models.get(chosen).filter(|_| !chosen.is_empty());
-        let thorough = |model| session.refine(model, FitAccuracy::Thorough);
-        let judge = |model| session.judge(&thorough(model), Intervals::Profile);
+        let judge = |model: &Model| {
+            let refined = session.refine(model, FitAccuracy::Thorough);
+            let judged = session.judge(&refined, Intervals::Profile);
+            judged.or_else(|_| session.judge(model, Intervals::Profile))
+        };
         Ok(model.map(judge).transpose()?)
     }
 

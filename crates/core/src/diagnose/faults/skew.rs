@@ -71,10 +71,13 @@ pub(super) fn beside_the_base_model(
     request: &IdentifyRequest,
     observer: &dyn Observer,
 ) -> Option<MeasurementFault> {
+    if !measurement.experiments().iter().all(|experiment| experiment.from_record) {
+        return None;
+    }
     let plant = Some(PlantRequest { actuator_order });
     let request = IdentifyRequest { plant, ..*request };
     let session = FitSession::new(measurement, &request, observer).ok()?;
-    if session.has_cosines_alone() || !session.noise_known() {
+    if !session.noise_known() {
         return None;
     }
     let alone = session.base();

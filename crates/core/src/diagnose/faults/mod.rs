@@ -48,6 +48,7 @@ pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
 mod unmended;
+mod usual_scatter;
 pub(super) mod words;
 pub(super) mod wrong_gain;
 

@@ -1,23 +1,24 @@
 //! Rows of single repeats that differ from the other repeats of the same experiment.
 //!
 //! A repeat less the mean of the others has the variance M/(M − 1) of one repeat. That variance follows
-//! from the medians over harmonics of nearly the same size, which a few wrong rows do not move. One wrong
+//! from the medians over harmonics of nearly the same size, and over those of nearly the same frequency,
+//! which a few wrong rows do not move: the larger one counts, since noise may depend on either. One wrong
 //! repeat moves the mean of the others, so that only the one that is furthest off is judged, then the
-//! rest without it. Periods of records are not judged: their noise depends on the frequency.
+//! rest without it. Periods of records are not judged.
 
 use crate::answers::{LeftOutRow, MeasurementFault};
 use crate::measurement::{Complex, Experiment, Measurement};
 
 use super::fault;
+use super::usual_scatter::{self, Scatter, Usual};
 
 /// Fewest repeats of which one can be told from the others.
 const FEWEST_REPEATS: usize = 3;
 
-/// Number of harmonics of nearly the same size whose scatter is taken together.
-const NEIGHBOURS: usize = 40;
-
-/// Number of those of which it is judged how the scatter depends on the size.
-const FURTHER_NEIGHBOURS: usize = 80;
+/// The scatter is a power of the size, from 0, noise of one size, to 2, of a share; and of the frequency,
+/// as that of a position or an acceleration that is computed from velocities.
+const POWERS_OF_SIZE: [f64; 2] = [0.0, 2.0];
+const POWERS_OF_FREQUENCY: [f64; 2] = [-4.0, 4.0];
 
 /// Probability that any row of a sound measurement is left out.
 const LEVEL: f64 = 1e-3;
@@ -27,11 +28,11 @@ const LEVEL: f64 = 1e-3;
 const FALSE_ROWS: f64 = 0.05;
 
 /// Largest share of rows that are left out. Where more differ, the noise depends on something else
-/// than the size of the response.
+/// than the size of the response and the frequency.
 const LARGEST_SHARE: f64 = 0.1;
 
 /// By which factor the squared distance has to exceed its limit, because the usual variance is known to
-/// about a tenth only: the median of forty variances of ten degrees of freedom.
+/// about a tenth only.
 const BEYOND: f64 = 1.1;
 
 /// One harmonic of one experiment.
@@ -39,11 +40,18 @@ struct Datum {
     experiment: usize,
     order: usize,
     size: f64,
+    /// Angular frequency, rad/s; of the mean that of the fundamental.
+    frequency: f64,
     /// Each repeat that is left, with its number.
     values: Vec<(usize, Complex)>,
 }
 
 impl Datum {
+    fn scatter(&self) -> Scatter {
+        let dof = 2.0 * (self.values.len() as f64 - 1.0);
+        Scatter { variances: self.variances(), dof, is_complex: self.order > 0 }
+    }
+
     /// Unbiased variances of the parts of one repeat along the mean and across it.
     fn variances(&self) -> [f64; 2] {
         let count = self.values.len() as f64;
@@ -76,8 +84,14 @@ pub(super) fn odd_rows(measurement: &Measurement) -> Option<MeasurementFault> {
         .filter(|(_, experiment)| experiment.repeats.len() >= FEWEST_REPEATS)
         .flat_map(|(index, experiment)| data_of(index, experiment))
         .collect();
-    data.sort_by(|a, b| a.size.total_cmp(&b.size));
-    let usual: Vec<Option<Usual>> = (0..data.len()).map(|i| Usual::at(&data, i)).collect();
+    let scatter: Vec<Scatter> = data.iter().map(Datum::scatter).collect();
+    let of_each = |of: fn(&Datum) -> f64, powers| {
+        usual_scatter::of_each(&scatter, &data.iter().map(of).collect::<Vec<_>>(), powers)
+    };
+    let by_size = of_each(|datum| datum.size, POWERS_OF_SIZE);
+    let by_frequency = of_each(|datum| datum.frequency, POWERS_OF_FREQUENCY);
+    let both = by_size.into_iter().zip(by_frequency);
+    let usual: Vec<Option<Usual>> = both.map(|(one, other)| Some(one?.or_larger(other?))).collect();
     let rows: usize = data.iter().map(|datum| datum.values.len()).sum();
     // Of a complex normal deviation with variance s² of each part, |d|²/s² exceeds x with the
     // probability exp(−x/2); of a real one with less.
@@ -120,58 +134,6 @@ fn leave_out(datum: &mut Datum, usual: &Usual, limit: f64, odd: &mut Vec<LeftOut
     }
 }
 
-/// What is usual of one repeat.
-struct Usual {
-    /// Mean of the variances of its two parts.
-    mean: f64,
-    /// The larger of the two: the noise of a gain and that of a phase differ.
-    larger: f64,
-}
-
-impl Usual {
-    /// At the size of the harmonic at `position`, from those of nearly the same size: their variances as a
-    /// power of the size, from 0, noise of one size, to 2, of a share, by the median of the slopes between
-    /// all pairs (H. Theil 1950; P. K. Sen 1968, doi:10.1080/01621459.1968.10480934). Medians are
-    /// turned into means (Wilson and Hilferty 1931, doi:10.1073/pnas.17.12.684). `None` if nothing
-    /// scatters.
-    fn at(data: &[Datum], position: usize) -> Option<Self> {
-        let scatter = |datum: &Datum| {
-            let [along, across] = datum.variances();
-            let dof = 2.0 * (datum.values.len() as f64 - 1.0);
-            let mean = 0.5 * (along + across) / (1.0 - 2.0 / (9.0 * dof)).powi(3);
-            (datum.size.max(f64::MIN_POSITIVE).ln(), mean.ln(), [along, across])
-        };
-        let nearest = |count: usize| {
-            let begin = position.saturating_sub(count / 2).min(data.len().saturating_sub(count));
-            let near = data[begin..].iter().take(count).filter(|datum| datum.order > 0);
-            near.map(scatter).collect::<Vec<(f64, f64, [f64; 2])>>()
-        };
-        let further = nearest(FURTHER_NEIGHBOURS);
-        let pairs = further
-            .iter()
-            .enumerate()
-            .flat_map(|(i, a)| further[i + 1..].iter().map(move |b| (b.1 - a.1) / (b.0 - a.0)));
-        let power = median(pairs).unwrap_or(0.0).clamp(0.0, 2.0);
-        let near = nearest(NEIGHBOURS);
-        if median(near.iter().map(|(.., [along, across])| along + across))? == 0.0 {
-            return None;
-        }
-        let size = data[position].size.max(f64::MIN_POSITIVE).ln();
-        let mean = median(near.iter().map(|(at, ln, _)| ln + power * (size - at)))?.exp();
-        let part = |which: usize| median(near.iter().map(|(.., parts)| parts[which]));
-        let (along, across) = (part(0)?, part(1)?);
-        let larger = 2.0 * mean * along.max(across) / (along + across);
-        larger.is_finite().then_some(Self { mean, larger })
-    }
-}
-
-/// The median of the finite values.
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
 fn data_of(index: usize, experiment: &Experiment) -> Vec<Datum> {
     let each = experiment.response.iter().enumerate();
     each.map(|(i, harmonic)| {
@@ -180,6 +142,7 @@ fn data_of(index: usize, experiment: &Experiment) -> Vec<Datum> {
             experiment: index,
             order: harmonic.order,
             size: harmonic.value.norm(),
+            frequency: harmonic.order.max(1) as f64 * experiment.omega_rad_s,
             values: repeats.map(|(p, repeat)| (p, harmonic.value + repeat.response[i])).collect(),
         }
     })
@@ -188,47 +151,36 @@ fn data_of(index: usize, experiment: &Experiment) -> Vec<Datum> {
 
 #[cfg(test)]
 mod tests {
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
-
     use super::*;
     use crate::diagnose::tests::{exact, noisy};
     use crate::machines::draw::NoiseStatement;
     use crate::measurement::Metadata;
 
     // The squares of the two limits differ by −2.2·ln(0.001) + 2.2·ln(0.1), 10 variances.
-    // The median of forty variances of ten degrees of freedom is known to 9 %, the power over a factor of
-    // ten in size to 0.1, half a factor of three away from the middle: 12 % together, and three times that.
+    // As of a position that is computed from velocities.
     #[test]
-    fn the_usual_scatter_follows_noise_of_one_size_and_of_a_share_alike() {
-        let mut rng = ChaCha8Rng::seed_from_u64(6);
-        for (power, [along, across]) in [(0, [1.0, 1.0]), (1, [1.0, 1.0]), (1, [1.2, 0.75])] {
-            let mut datum = |n: i32| {
-                let size = 1.03_f64.powi(n);
-                let std = 0.01 * size.powi(power);
-                let mut part = |share: f64| -> f64 {
-                    let value: f64 = StandardNormal.sample(&mut rng);
-                    std * share * value
-                };
-                let values = (0..6).map(|i| (i, Complex::new(size + part(along), part(across))));
-                Datum { experiment: 0, order: 1, size, values: values.collect() }
-            };
-            let data: Vec<Datum> = (0..120).map(&mut datum).collect();
-            for position in [0, 60, 119] {
-                let usual = Usual::at(&data, position).unwrap();
-                let std = 0.01 * data[position].size.powi(power);
-                let mean = 0.5 * (along * along + across * across) * std.powi(2);
-                let larger = (along * along) * std.powi(2);
-                let near = |a: f64, b: f64| (a / b).ln().abs() < 0.35;
-                assert!(near(usual.mean, mean), "{power} {position}: {} {mean}", usual.mean);
-                assert!(
-                    near(usual.larger, larger),
-                    "{power} {position}: {} {larger}",
-                    usual.larger
-                );
+    fn noise_that_depends_on_the_frequency_leaves_no_row_out_and_hides_none() {
+        let mut experiments =
+            noisy(&exact(), NoiseStatement::Repeats(6), 20).experiments().to_vec();
+        for Experiment { omega_rad_s, response, repeats, .. } in &mut experiments {
+            for deviations in repeats {
+                for (deviation, harmonic) in deviations.response.iter_mut().zip(&*response) {
+                    *deviation /= harmonic.order.max(1) as f64 * *omega_rad_s;
+                }
             }
         }
+        let odd = |experiments: &[Experiment]| {
+            let (metadata, hash) = (Metadata::default(), String::new());
+            odd_rows(&Measurement::new(metadata, experiments.to_vec(), Vec::new(), hash).unwrap())
+        };
+        assert_eq!(odd(&experiments), None);
+        for (repeat, deviations) in experiments[7].repeats.iter_mut().enumerate() {
+            deviations.response[1] += if repeat == 2 { 1.0 } else { -0.2 };
+        }
+        let rows = odd(&experiments).unwrap().left_out;
+        let places: Vec<_> =
+            rows.iter().map(|row| (row.experiment, row.harmonic, row.repeat)).collect();
+        assert_eq!(places, [(7, 1, Some(2))]);
     }
 
     #[test]

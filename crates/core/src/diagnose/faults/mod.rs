@@ -9,7 +9,7 @@
 //!
 //! [`rounds`] mends and diagnoses again until nothing new is found.
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other, [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
+//! other by their [`usual_scatter`], [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
 //! where a table is far from its noise, [`of_records`] tries the faults of records, and
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
 //! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the

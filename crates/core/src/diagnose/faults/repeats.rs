@@ -15,8 +15,8 @@ use super::usual_scatter::{self, Scatter, Usual};
 /// Fewest repeats of which one can be told from the others.
 const FEWEST_REPEATS: usize = 3;
 
-/// The scatter is a power of the size, from 0, noise of one size, to 2, of a share; and of the frequency,
-/// as that of a position or an acceleration that is computed from velocities.
+/// The scatter is a power of the size, from 0, noise of one size, to 2, of a share; and of the frequency:
+/// −2 for a position that is computed from velocities, −4 from accelerations, and the reverse.
 const POWERS_OF_SIZE: [f64; 2] = [0.0, 2.0];
 const POWERS_OF_FREQUENCY: [f64; 2] = [-4.0, 4.0];
 

@@ -10,7 +10,7 @@
 //! [`rounds`] mends and diagnoses again until nothing new is found.
 //! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
 //! other by their [`usual_scatter`], [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
-//! where a table is far from its noise, [`of_records`] tries the faults of records, and
+//! where a table is far from its noise, [`trimmed`] without the rows that fit worst, [`of_records`] tries the faults of records, and
 //! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
 //! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
 //! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
@@ -47,6 +47,7 @@ mod standing;
 pub(super) mod suspects;
 #[cfg(test)]
 mod tests;
+mod trimmed;
 mod unmended;
 mod usual_scatter;
 pub(super) mod words;

@@ -7,6 +7,7 @@ use crate::diagnose::progress::{Part, Quiet};
 use crate::diagnose::selection::weighting_choice;
 use crate::identify::IdentifyRequest;
 use crate::measurement::Measurement;
+use crate::observer::Observer as _;
 
 use super::fault::{self, are_too_many, is_certain};
 use super::mending::Mended;
@@ -80,6 +81,10 @@ impl Rounds<'_> {
             let next = match weighting_choice::diagnose(data, self.request, reached.rest()) {
                 Ok(answer) if self.faults.is_empty() => self.without_a_fault(answer),
                 Ok(answer) => self.with_faults(answer),
+                // The measurement as it is may still be diagnosed.
+                Err(Halt::Error(_)) if !self.faults.is_empty() && !self.part.cancelled() => {
+                    Next::InVain
+                }
                 Err(Halt::Error(error)) => return Err(error),
                 Err(Halt::Faults(suspicion)) => {
                     self.add(*suspicion, &mended);

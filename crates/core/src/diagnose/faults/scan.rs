@@ -19,7 +19,7 @@ use super::projection::{Outside, dense};
 use super::suspects::misfit;
 
 /// Largest share of rows that may be left out.
-const LARGEST_SHARE: f64 = 0.1;
+pub(super) const LARGEST_SHARE: f64 = 0.1;
 
 /// A fault that explains less than this share of what the first one explains is far smaller.
 pub(super) const FAR_SMALLER: f64 = 0.05;

@@ -10,6 +10,7 @@ use crate::diagnose::selection::models::{Key, Models};
 use super::family::Family;
 use super::one_level_out;
 use super::scan::Scan;
+use super::trimmed;
 
 /// Fewest degrees of freedom that tell a fault from a model.
 const FEWEST_DOF: f64 = 20.0;
@@ -76,10 +77,15 @@ impl Suspects<'_> {
         let fitted = self.models.all().filter(|(key, _)| wanted(key));
         let fitted = fitted.map(|(key, model)| (key.clone(), model.clone())).collect();
         let found = self.beside(fitted, Begin::Refit, &family);
-        if found.is_some() || !self.combined || self.leaves_only_noise() {
+        if !self.combined || self.leaves_only_noise() {
             return found;
         }
-        self.beside_one_level_out(wanted, &family)
+        // So many rows may be wrong that they hide each other and the effects.
+        let trimmed = trimmed::fitted(self.session, self.models, &wanted);
+        let beside_trimmed = self.beside(trimmed, Begin::AsItIs, &family);
+        let best = found.into_iter().chain(beside_trimmed);
+        let best = best.min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        best.or_else(|| self.beside_one_level_out(wanted, &family))
     }
 
     /// The same, from fits without one level.

@@ -20,8 +20,8 @@ use crate::diagnose::faults::suspects::{CLEARLY_BETTER, Suspected};
 use crate::diagnose::faults::words;
 use crate::diagnose::progress::{Part, Quiet};
 
-/// What faults beside an effect may cost at most for that: about two rows. A second effect may show
-/// in a few rows alone. Tuned.
+/// What faults beside an effect, or several beside none, may cost at most for that: about two rows.
+/// A further effect may show in a few rows alone. Tuned.
 const LARGEST_CLEAR_PRICE: f64 = 50.0;
 
 /// Highest order of an actuator.
@@ -112,7 +112,10 @@ pub(crate) fn diagnose(
         studies = vec![OrderStudy::new(&better, part.part(spans.again), seed)?];
     }
     if data.doubted && !studies[0].explained() {
-        let is_clear = |found: &Suspected| found.effects == 0 || found.price < LARGEST_CLEAR_PRICE;
+        let is_clear = |found: &Suspected| {
+            let is_only_one = found.effects == 0 && found.faults.len() == 1;
+            is_only_one || found.price < LARGEST_CLEAR_PRICE
+        };
         // A fault of a record costs more than chance gains.
         let margin = if first.has_cosines_alone() { CLEARLY_BETTER } else { 0.0 };
         doubt(&studies, data, margin, &is_clear)?;

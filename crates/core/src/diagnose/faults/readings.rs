@@ -7,6 +7,7 @@
 
 use crate::answers::{
     AsMeasured, Diagnosis, FaultKind, IdentifyOptions, MeasurementFault, NetworkOptions, Verdict,
+    Weighting,
 };
 use crate::identify::{FitSession, IdentifyRequest, Intervals};
 use crate::measurement::{Measurement, ResponseKind};
@@ -68,12 +69,20 @@ fn read_as(
     observer: &dyn Observer,
 ) -> Option<(f64, Measurement)> {
     let read = mending::mended(measurement, std::slice::from_ref(reading)).ok()?.measurement;
+    Some((left_of(&read, request, observer)?, read))
+}
+
+/// What the base model leaves of a measurement.
+fn left_of(
+    measurement: &Measurement,
+    request: &IdentifyRequest,
+    observer: &dyn Observer,
+) -> Option<f64> {
     // The colony alone is good enough to tell readings apart, and twice as fast.
     let network = NetworkOptions { enabled: false, ..request.options.network };
     let options = IdentifyOptions { network, ..request.options };
-    let left =
-        left(&FitSession::new(&read, &IdentifyRequest { options, ..*request }, observer).ok()?)?;
-    Some((left, read))
+    let request = IdentifyRequest { options, ..*request };
+    left(&FitSession::new(measurement, &request, observer).ok()?)
 }
 
 /// The reading of a measurement of which nothing explained what the best model leaves, if one effect
@@ -131,7 +140,8 @@ fn better(
 }
 
 /// That of these readings of which the base model leaves least, if that is far less than what is left of
-/// the stated one.
+/// the stated one, with equal weights as well. With those of the noise, small harmonics that repeat well
+/// can make a fit leave most of the response.
 fn clearly_better(
     as_stated: f64,
     others: Vec<MeasurementFault>,
@@ -144,7 +154,12 @@ fn clearly_better(
         Some((left, reading))
     });
     let best = read.min_by(|a, b| a.0.total_cmp(&b.0));
-    best.filter(|(left, _)| *left < CLEARLY_LESS * as_stated).map(|(_, reading)| reading)
+    let (_, reading) = best.filter(|(left, _)| *left < CLEARLY_LESS * as_stated)?;
+    let options = IdentifyOptions { weights: Weighting::Response, ..request.options };
+    let equally = IdentifyRequest { options, ..*request };
+    let as_stated = left_of(measurement, &equally, observer)?;
+    let (as_read, _) = read_as(&reading, measurement, &equally, observer)?;
+    (as_read < CLEARLY_LESS * as_stated).then_some(reading)
 }
 
 /// What the base model of a session leaves.
@@ -172,11 +187,19 @@ pub(in crate::diagnose) fn misread(
 
 #[cfg(test)]
 mod tests {
+    use super::{better, left};
     use crate::answers::{FaultKind, Verdict};
     use crate::diagnose::fixtures::{in_a_position_loop, multiplied, multisine_record_of, plant};
-    use crate::identify::IdentifyRequest;
-    use crate::measurement::{Complex, Measurement, ResponseKind};
+    use crate::identify::{FitSession, IdentifyRequest};
+    use crate::machines::draw::{Draw, NoiseStatement, measure};
+    use crate::machines::simulator::Effect;
+    use crate::measurement::{Complex, Measurement, Metadata, ResponseKind};
     use crate::observer::Silent;
+    use crate::plant::{Actuator, Friction, Plant};
+
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     /// The faults of a measurement whose response has the wrong sign, and the verdict once it is right.
     fn found(sound: &Measurement) -> (Vec<FaultKind>, Verdict) {
@@ -194,5 +217,35 @@ mod tests {
         }
         // A hardening spring follows all but a sixth of it.
         assert_eq!(found(&in_a_position_loop(1)), reversed);
+    }
+
+    /// A table of an axis whose amplifier saturates at the highest magnitude, with nearly the same friction
+    /// in both directions, and noise in proportion to each harmonic above a floor.
+    fn saturating() -> Measurement {
+        let actuator = Actuator::SecondOrder { natural_frequency_rad_s: 83.0, damping_ratio: 0.39 };
+        let friction = Friction::coulomb(0.156, 0.153);
+        let plant = Plant { viscous_rate_rad_s: 14.0, constant: 23.0, actuator, friction };
+        let effects = vec![Effect::new("actuator_saturation", [("limit", 0.82)])];
+        let omegas = (0..14).map(|i| 2.8 * 40f64.powf(f64::from(i) / 13.0));
+        let design = omegas.flat_map(|omega| [0.47, 0.78, 1.3].map(|m| (m, omega))).collect();
+        let (noise_db, noise_statement) = (None, NoiseStatement::Silent);
+        let draw = Draw { plant, effects, design, harmonics: 3, noise_db, noise_statement };
+        let mut experiments = measure(&draw, 1).unwrap().experiments().to_vec();
+        let rng = &mut ChaCha8Rng::seed_from_u64(1);
+        for harmonic in experiments.iter_mut().flat_map(|experiment| &mut experiment.response) {
+            let size = (0.004 * harmonic.value.norm()).hypot(4e-4);
+            let mut scatter = || -> f64 { StandardNormal.sample(rng) };
+            let (re, im) = (scatter(), if harmonic.order > 0 { scatter() } else { 0.0 });
+            harmonic.value += Complex::new(size * re, size * im);
+        }
+        Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap()
+    }
+
+    #[test]
+    fn a_fit_to_small_harmonics_alone_does_not_make_a_wrong_reading_right() {
+        let (measurement, request) = (saturating(), IdentifyRequest::default());
+        let session = FitSession::new(&measurement, &request, &Silent).unwrap();
+        assert!(left(&session).unwrap() > 0.5, "the fit follows the fundamental");
+        assert_eq!(better(&session, &measurement, &request, &Silent), None);
     }
 }

@@ -193,8 +193,9 @@ fn doubt(
     let order_cost = |study: &OrderStudy<'_>| ACTUATOR_ORDER_COST * f64::from(study.order());
     let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
     let without = without.fold(f64::INFINITY, f64::min);
+    let explaining = studies.iter().find(|study| study.explained()).map(|study| &study.chosen);
     let suspected = studies.iter().filter_map(|study| {
-        let suspected = study.suspected(data.lead_s).filter(is_clear)?;
+        let suspected = study.suspected(data.lead_s, explaining).filter(is_clear)?;
         let lead = without - suspected.criterion - order_cost(study);
         Some(Alternative { faults: suspected.faults, lead })
     });

@@ -137,12 +137,12 @@ impl<'a> OrderStudy<'a> {
         Ok(())
     }
 
-    /// The best model with faults of the measurement. Where the chosen model leaves only noise, a
-    /// model with other effects and a fault cannot be more likely. By `lead_s` (s) the response was
-    /// ahead of the input before that was mended.
-    pub fn suspected(&self, lead_s: f64) -> Option<Suspected> {
-        let is_part = |key: &Key| key.iter().all(|id| self.chosen.contains(id));
-        let wanted = |key: &Key| !self.explained() || is_part(key);
+    /// The best model with faults of the measurement, with no effects but those of `explaining`, if any
+    /// model leaves only noise: one with other effects and a fault cannot be more likely. By `lead_s` (s)
+    /// the response was ahead of the input before that was mended.
+    pub fn suspected(&self, lead_s: f64, explaining: Option<&Key>) -> Option<Suspected> {
+        let is_part = |of: &Key, key: &Key| key.iter().all(|id| of.contains(id));
+        let wanted = |key: &Key| explaining.is_none_or(|of| is_part(of, key));
         let suspects = Suspects { lead_s, ..self.suspects() };
         match self.session.has_cosines_alone() {
             true => suspects.best(wanted),

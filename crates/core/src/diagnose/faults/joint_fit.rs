@@ -8,7 +8,7 @@ use crate::identify::{FitAccuracy, Intervals, Model};
 
 use super::family::Family;
 use super::scan::FAR_SMALLER;
-use super::suspects::{Begin, Suspected, Suspects};
+use super::suspects::{Begin, Suspected, Suspects, misfit};
 use super::{fault, mending};
 
 /// Rounds of estimating faults and refitting the model: each adds faults, or corrects the sizes of
@@ -24,7 +24,9 @@ const SETTLING_ROUNDS: usize = 2;
 const MOST_FAULTS: usize = 4;
 
 impl Suspects<'_> {
-    /// The model with its faults, both fitted together; `None` if more than noise is left.
+    /// The model with its faults, both fitted together; `None` if more than noise is left. Once effects
+    /// were combined in vain, one fault that explains nearly all of it is enough: the effect behind it may
+    /// be none of those that fit best with the fault.
     ///
     /// Before more faults are looked for, those that were found settle: the linearisation tells the size
     /// of a large one roughly, and what that leaves is no other fault.
@@ -39,6 +41,7 @@ impl Suspects<'_> {
         let (mut faults, mut price) = (Vec::<MeasurementFault>::new(), 0.0);
         let (mut are_new, mut settling) = (false, SETTLING_ROUNDS);
         let mut course = Vec::<(usize, f64)>::new();
+        let mut price_of_first = None;
         for round in 0..MOST_ROUNDS {
             let session = self.session.changed(|experiment, order| {
                 mending::change(&faults, experiments, experiment, order)
@@ -65,6 +68,7 @@ impl Suspects<'_> {
                     let is_new = fault::add(&mut faults, new);
                     price += if is_new { own_price } else { 0.0 };
                 }
+                price_of_first.get_or_insert(price);
                 if faults.len() > MOST_FAULTS {
                     return None;
                 }
@@ -89,11 +93,19 @@ impl Suspects<'_> {
             faults.extend(found.std_factor);
             let observer = self.session.observer();
             let is_noise = discrepancy::is_without_structure(&residuals, self.seed, observer);
-            if first_dominates(&course) {
+            let dominates = first_dominates(&course);
+            if dominates {
                 faults.truncate(1);
             }
             let effects = key.len();
-            return is_noise.then_some(Suspected { faults, criterion, price, effects });
+            if is_noise {
+                return Some(Suspected { faults, criterion, price, effects });
+            }
+            let (_, beside_first) = *course.get(1).filter(|_| dominates && self.combined)?;
+            let price = price_of_first?;
+            let misfit = misfit(beside_first, self.dof(), self.size_known());
+            let criterion = misfit + price + self.models.complexity(key);
+            return Some(Suspected { faults, criterion, price, effects });
         }
         None
     }
@@ -110,6 +122,49 @@ fn first_dominates(course: &[(usize, f64)]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::{FaultKind, PlantRequest};
+    use crate::diagnose::selection::evidence::NoiseScale;
+    use crate::diagnose::selection::models::Models;
+    use crate::identify::{FitSession, IdentifyRequest};
+    use crate::machines::draw::{Draw, NoiseStatement, measure};
+    use crate::machines::simulator::Effect;
+    use crate::measurement::{Complex, Measurement, Metadata};
+    use crate::observer::Silent;
+    use crate::plant::{Actuator, Friction, Plant};
+
+    /// Beside the base model, kinds of faults of an axis with static friction, of which the highest
+    /// magnitude was measured with a phase 9° behind.
+    fn beside_the_base_model(combined: bool) -> Option<Vec<FaultKind>> {
+        let (actuator, friction) = (Actuator::Direct, Friction::coulomb(0.5, 0.4));
+        let plant = Plant { viscous_rate_rad_s: 10.0, constant: 10.0, actuator, friction };
+        let omegas = (0..13).map(|i| 10f64.powf(f64::from(i) / 6.0));
+        let design = omegas.flat_map(|omega| [1.0, 2.0, 4.0].map(|m| (m, omega))).collect();
+        let levels = [("fs_plus", 0.65), ("fs_minus", 0.55)];
+        let effects = vec![Effect::new("static_friction", levels)];
+        let (noise_db, noise_statement) = (Some(60.0), NoiseStatement::Std);
+        let draw = Draw { plant, effects, design, harmonics: 7, noise_db, noise_statement };
+        let mut experiments = measure(&draw, 6).unwrap().experiments().to_vec();
+        let highest = experiments.iter_mut().filter(|experiment| experiment.magnitude == 4.0);
+        for harmonic in highest.flat_map(|experiment| &mut experiment.response) {
+            harmonic.value *= Complex::cis(-9f64.to_radians() * harmonic.order as f64);
+        }
+        let measurement =
+            Measurement::new(Metadata::default(), experiments, Vec::new(), String::new()).unwrap();
+        let plant = Some(PlantRequest { actuator_order: 0 });
+        let request = IdentifyRequest { plant, ..IdentifyRequest::default() };
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let base = &session.judge(session.base(), Intervals::Curvature).unwrap();
+        let models = &Models::new(session.base().clone(), NoiseScale::of(session));
+        let suspects = Suspects { session, base, models, combined, seed: 1, lead_s: 0.0 };
+        let found = suspects.best(|_| true)?;
+        Some(found.faults.iter().map(|fault| fault.fault).collect())
+    }
+
+    #[test]
+    fn a_fault_that_explains_nearly_all_is_enough_once_effects_were_combined_in_vain() {
+        assert_eq!(beside_the_base_model(false), None);
+        assert_eq!(beside_the_base_model(true), Some(vec![FaultKind::LevelPhase]));
+    }
 
     #[test]
     fn a_first_fault_dominates_where_the_others_explain_a_twentieth_of_what_it_does() {

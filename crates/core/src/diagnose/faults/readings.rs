@@ -233,7 +233,7 @@ mod tests {
         let mut experiments = measure(&draw, 1).unwrap().experiments().to_vec();
         let rng = &mut ChaCha8Rng::seed_from_u64(1);
         for harmonic in experiments.iter_mut().flat_map(|experiment| &mut experiment.response) {
-            let size = (0.004 * harmonic.value.norm()).hypot(4e-4);
+            let size = (0.004 * harmonic.value.norm()).hypot(3e-4);
             let mut scatter = || -> f64 { StandardNormal.sample(rng) };
             let (re, im) = (scatter(), if harmonic.order > 0 { scatter() } else { 0.0 });
             harmonic.value += Complex::new(size * re, size * im);

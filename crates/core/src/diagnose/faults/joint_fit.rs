@@ -139,7 +139,7 @@ mod tests {
         let plant = Plant { viscous_rate_rad_s: 10.0, constant: 10.0, actuator, friction };
         let omegas = (0..13).map(|i| 10f64.powf(f64::from(i) / 6.0));
         let design = omegas.flat_map(|omega| [1.0, 2.0, 4.0].map(|m| (m, omega))).collect();
-        let levels = [("fs_plus", 0.65), ("fs_minus", 0.55)];
+        let levels = [("fs_plus", 0.6), ("fs_minus", 0.48)];
         let effects = vec![Effect::new("static_friction", levels)];
         let (noise_db, noise_statement) = (Some(60.0), NoiseStatement::Std);
         let draw = Draw { plant, effects, design, harmonics: 7, noise_db, noise_statement };

@@ -8,14 +8,15 @@
 //! again.
 //!
 //! [`rounds`] mends and diagnoses again until nothing new is found.
-//! [`readings`] tries other ways to read the whole file, [`repeats`] compares repeats with each
-//! other by their [`usual_scatter`], [`one_level_out`] fits without one magnitude, which [`wrong_gain`] does before anything else
-//! where a table is far from its noise, [`trimmed`] without the rows that fit worst, [`of_records`] tries the faults of records, and
-//! [`isolated`] finds rows that stand out where nothing explains the measurement. Before faults are
-//! accepted, [`retest`] asks whether they are still needed beside the effects that are named in the
-//! end, and [`row_regions`] whether rows that were left out form regions, as what a model lacks does.
-//! Rows, levels and conventions ([`convention`]) are looked for in tables only. [`bad_samples`] and [`clipping`] take what was found
-//! as records were read, [`one_run`] another gain or delay of one of them.
+//! [`readings`] tries other ways to read the whole file, and [`repeats`] compares repeats with each
+//! other by their [`usual_scatter`]. [`one_level_out`] fits without one magnitude, which [`wrong_gain`]
+//! does before anything else where a table is far from its noise, and [`trimmed`] without the rows
+//! that fit worst. [`of_records`] tries the faults of records, and [`isolated`] finds rows that stand
+//! out where nothing explains the measurement. Before faults are accepted, [`retest`] asks whether they
+//! are still needed beside the effects that are named in the end, and [`row_regions`] whether rows that
+//! were left out form regions, as what a model lacks does. Rows, levels and conventions ([`convention`])
+//! are looked for in tables only. [`bad_samples`] and [`clipping`] take what was found as records were
+//! read, [`one_run`] another gain or delay of one of them.
 
 mod bad_samples;
 mod beside;

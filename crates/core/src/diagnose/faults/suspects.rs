@@ -67,8 +67,8 @@ impl Suspects<'_> {
         self.dof() >= FEWEST_DOF
     }
 
-    /// The best model of a table with faults, if it leaves only noise and is better than every model
-    /// without any; `wanted` says which models are tried.
+    /// The best model of a table with faults, if it is better than every model without any, and leaves only
+    /// noise or has one fault that explains nearly all; `wanted` says which models are tried.
     pub fn best(&self, wanted: impl Fn(&Key) -> bool) -> Option<Suspected> {
         if !self.are_enough() {
             return None;

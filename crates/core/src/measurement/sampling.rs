@@ -1,5 +1,7 @@
 //! Checks that samples are equally spaced, and finds the sampling interval.
 
+use std::collections::BTreeMap;
+
 use super::record_error::RecordError;
 
 /// Largest accepted distance of a sample from the regular grid, as a share of the step.
@@ -12,7 +14,8 @@ const LARGEST_ROUNDING: f64 = 0.35;
 /// Step of equally spaced times, s, by least squares over all of them.
 ///
 /// A sample may be off the grid by [`JITTER`] times the step plus the rounding error that the
-/// number of printed decimals explains.
+/// number of printed decimals explains. Numbers of so many significant digits have fewer decimals the
+/// larger they are.
 ///
 /// # Errors
 /// If times do not increase or are not equally spaced; the error names the sample.
@@ -28,20 +31,21 @@ pub(super) fn step_s(time_s: &[f64]) -> Result<f64, RecordError> {
         return Err(RecordError::TooShort { samples: time_s.len() });
     }
     let (offset_s, step_s) = grid(time_s);
-    let departure = time_s
-        .iter()
-        .enumerate()
-        .map(|(index, time)| (time - offset_s - index as f64 * step_s).abs())
-        .fold(0.0, f64::max);
-    let tolerance = JITTER * step_s;
-    if departure <= tolerance {
+    let is_regular = |rounding_s: &dyn Fn(f64) -> f64| {
+        time_s.iter().enumerate().all(|(index, time)| {
+            let departure = (time - offset_s - index as f64 * step_s).abs();
+            departure <= JITTER * step_s + rounding_s(*time)
+        })
+    };
+    if is_regular(&|_| 0.0) {
         return Ok(step_s);
     }
-    let rounding = (0.5 * resolution(time_s)).min(LARGEST_ROUNDING * step_s);
-    if departure <= tolerance + rounding {
-        return Ok(step_s);
+    let resolutions = resolutions(time_s);
+    let largest = LARGEST_ROUNDING * step_s;
+    match is_regular(&|time| (0.5 * resolutions[&decade(time)]).min(largest)) {
+        true => Ok(step_s),
+        false => Err(unequal(time_s)),
     }
-    Err(unequal(time_s))
 }
 
 /// Origin and step of the line through the times, by least squares.
@@ -60,14 +64,22 @@ fn grid(time_s: &[f64]) -> (f64, f64) {
     (first + mean - centre * step, step)
 }
 
-/// Value of the last decimal place, by the time that is printed with the most decimals.
-fn resolution(time_s: &[f64]) -> f64 {
-    let decimals = |time: &f64| {
+/// Power of ten of the first digit of a time, s.
+fn decade(time_s: f64) -> i32 {
+    time_s.abs().max(f64::MIN_POSITIVE).log10().floor() as i32
+}
+
+/// Value of the last decimal place by [`decade`]: that of the time which is printed with the most decimals.
+fn resolutions(time_s: &[f64]) -> BTreeMap<i32, f64> {
+    let mut most = BTreeMap::new();
+    for time in time_s {
         let text = time.to_string();
-        text.split_once('.').map_or(0, |(_, decimals)| decimals.len())
-    };
-    let most = time_s.iter().map(decimals).max().unwrap_or(0);
-    10f64.powi(-i32::try_from(most).unwrap_or(i32::MAX))
+        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let of_decade = most.entry(decade(*time)).or_insert(0);
+        *of_decade = decimals.max(*of_decade);
+    }
+    let place = |decimals: usize| 10f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX));
+    most.into_iter().map(|(decade, decimals)| (decade, place(decimals))).collect()
 }
 
 /// The error that names the sample after the step that differs most from the median step.
@@ -97,6 +109,20 @@ mod tests {
         let step = step_s(&rounded(1.0 / 3000.0, 4, 5000)).unwrap();
         // Rounding errors of ±0.5 units at both ends, over 5000 samples.
         assert!((step * 3000.0 - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn times_of_so_many_significant_digits_are_equally_spaced() {
+        // 1.5 kHz for 12 s; from 10 s on, six digits tell a seventh of a step.
+        for digits in [6, 7] {
+            let printed = |index: u32| format!("{:.*e}", digits - 1, f64::from(index) / 1500.0);
+            let times: Vec<f64> =
+                (0..18_000).map(|index| printed(index).parse().unwrap()).collect();
+            assert!((step_s(&times).unwrap() * 1500.0 - 1.0).abs() < 1e-5);
+            let mut lost = times;
+            lost.remove(17_000);
+            assert!(step_s(&lost).is_err(), "{digits}");
+        }
     }
 
     #[test]

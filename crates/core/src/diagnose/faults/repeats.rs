@@ -156,7 +156,6 @@ mod tests {
     use crate::machines::draw::NoiseStatement;
     use crate::measurement::Metadata;
 
-    // The squares of the two limits differ by −2.2·ln(0.001) + 2.2·ln(0.1), 10 variances.
     // As of a position that is computed from velocities.
     #[test]
     fn noise_that_depends_on_the_frequency_leaves_no_row_out_and_hides_none() {
@@ -183,6 +182,7 @@ mod tests {
         assert_eq!(places, [(7, 1, Some(2))]);
     }
 
+    // The squares of the two limits differ by −2.2·ln(0.001) + 2.2·ln(0.1), 10 variances.
     #[test]
     fn a_repeat_that_may_be_chance_is_left_out_beside_one_that_is_none() {
         let sound = noisy(&exact(), NoiseStatement::Repeats(6), 20).experiments().to_vec();

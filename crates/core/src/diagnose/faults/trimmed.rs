@@ -19,7 +19,7 @@ use super::scan::LARGEST_SHARE;
 /// Most models that are fitted so: those that leave least of all rows.
 const MOST_MODELS: usize = 4;
 
-/// Most fits of a model. The rows that are left out seldom change after five.
+/// Most fits of a model, if the rows that are left out still change.
 const MOST_FITS: usize = 10;
 
 /// A harmonic of an experiment.
@@ -39,6 +39,7 @@ pub(super) fn fitted(
     tried.into_par_iter().filter_map(fit).collect()
 }
 
+/// The model fitted without the rows that it predicts worst.
 fn concentrated(session: &FitSession<'_>, model: &Model) -> Option<Model> {
     let mut model = model.clone();
     let mut left_out = BTreeSet::new();

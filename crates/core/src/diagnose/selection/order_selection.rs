@@ -27,6 +27,16 @@ const LARGEST_CLEAR_PRICE: f64 = 50.0;
 /// Highest order of an actuator.
 const HIGHEST_ORDER: u8 = 2;
 
+/// Whether the weights of a session stay as they are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weights {
+    /// They follow from what the base model leaves, and are to follow from what the best single effect
+    /// leaves before effects are combined.
+    Open,
+    /// They stay.
+    Settled,
+}
+
 /// Shares of the progress.
 struct Spans {
     /// Every effect alone, at every order.
@@ -58,12 +68,13 @@ impl Spans {
 /// it is better by as much, or a lower one if it is better and the actuator is beyond the excited band.
 ///
 /// # Errors
-/// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
-/// has any.
-pub(crate) fn diagnose(
+/// See [`crate::diagnose::DiagnoseError`]; the faults of the measurement, if it is doubted and has any;
+/// and the best model of one effect, if the weights are open and those that follow from it are others.
+pub(super) fn diagnose(
     data: Data<'_>,
     request: &IdentifyRequest,
     first: &FitSession<'_>,
+    weights: Weights,
     part: Part<'_>,
 ) -> Result<Diagnosis, Halt> {
     let measurement = data.measurement;
@@ -110,6 +121,12 @@ pub(crate) fn diagnose(
     if let Some(session) = better_order(&studies[0], &others, first, &quietly)? {
         better = session;
         studies = vec![OrderStudy::new(&better, part.part(spans.again), seed)?];
+    }
+    if weights == Weights::Open {
+        let found = studies[0].best()?;
+        if !first.has_weights_of(&found)? {
+            return Err(Halt::OtherWeights(Box::new(found)));
+        }
     }
     if data.doubted && !studies[0].explained() {
         let is_clear = |found: &Suspected| {

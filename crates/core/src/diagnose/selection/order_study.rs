@@ -1,6 +1,6 @@
 //! The study of one actuator order: residual tests, search for missing effects, model choice.
 
-use crate::answers::{AsMeasured, Discrepancy};
+use crate::answers::{AsMeasured, Discrepancy, Identification};
 use crate::identify::{FitAccuracy, FitSession, IdentifyError, Intervals, Model, ModelFit};
 use crate::measurement::Measurement;
 use crate::observer::Observer as _;
@@ -174,6 +174,15 @@ impl<'a> OrderStudy<'a> {
         let Self { session, fit, search, seed, combined, .. } = self;
         let (models, combined, seed) = (&search.models, *combined, *seed);
         Suspects { session, base: fit, models, combined, seed, lead_s: 0.0 }
+    }
+
+    /// The chosen model.
+    ///
+    /// # Errors
+    /// If it has no response.
+    pub fn best(&self) -> Result<Identification, DiagnoseError> {
+        let model = self.search.models.get(&self.chosen).unwrap_or(self.session.base());
+        Ok(self.session.judge(model, Intervals::Curvature)?.identification)
     }
 
     /// The answer so far.

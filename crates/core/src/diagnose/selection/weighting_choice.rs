@@ -8,7 +8,7 @@
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
 use crate::identify::{FitSession, IdentifyRequest};
 
-use super::order_selection;
+use super::order_selection::{self, Weights};
 use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::faults::{readings, wrong_gain};
 use crate::diagnose::progress::{Part, Quiet};
@@ -39,6 +39,9 @@ const OWN_BASE_FIT_SHARE: f64 = 0.15;
 const ONLY_WEIGHTING_SPAN: [f64; 2] = [0.1, 1.0];
 const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.6];
 const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.6, 1.0];
+/// Shares of the progress where no noise is stated: the weights of the base model, those of the best
+/// single effect, and those of the model found.
+const WEIGHTS_LEFT_SPANS: [[f64; 2]; 3] = [[0.1, 0.3], [0.3, 0.7], [0.7, 1.0]];
 
 /// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
 /// and win if they leave clearly less of the response. If the base model is very far from the
@@ -72,7 +75,8 @@ fn choose_weighting(
     {
         return Err(halt);
     }
-    let by_noise = |span| order_selection::diagnose(data, request, &first, part.part(span));
+    let by_noise =
+        |span| order_selection::diagnose(data, request, &first, Weights::Settled, part.part(span));
     let equal_weights = |span| {
         let part = part.part(span);
         let fitting = part.part([0.0, OWN_BASE_FIT_SHARE]);
@@ -82,6 +86,7 @@ fn choose_weighting(
             undoubted,
             &equal_request,
             &session,
+            Weights::Settled,
             part.part([OWN_BASE_FIT_SHARE, 1.0]),
         )
     };
@@ -114,22 +119,33 @@ fn choose_weighting(
     })
 }
 
-/// Diagnoses data of which no noise is stated. Weights follow from what the base model leaves. If
-/// those that follow from the model found are others, the diagnosis is repeated with them, once:
-/// what the base model lacks is easily taken for noise.
+/// Diagnoses data of which no noise is stated. Weights follow from what the base model leaves, then from
+/// what the best single effect leaves, before effects are combined: what a model lacks is easily taken for
+/// noise. If those that follow from the model found are others again, the diagnosis is repeated with them,
+/// once.
 fn by_what_is_left(
     data: Data<'_>,
     request: &IdentifyRequest,
     first: &FitSession<'_>,
     part: Part<'_>,
 ) -> Result<Diagnosis, Halt> {
-    let diagnose = |session: &FitSession<'_>, span| {
-        order_selection::diagnose(data, request, session, part.part(span))
+    let [by_base, by_one_effect, by_all] = WEIGHTS_LEFT_SPANS.map(|span| part.part(span));
+    let diagnose = |session: &FitSession<'_>, part| {
+        order_selection::diagnose(data, request, session, Weights::Settled, part)
     };
-    let answer = diagnose(first, FIRST_WEIGHTING_SPAN)?;
-    match first.reweighted(best(&answer), &part)? {
-        Some(session) => diagnose(&session, SECOND_WEIGHTING_SPAN),
-        None => Ok(answer),
+    let mut reweighted = None;
+    let answer = match order_selection::diagnose(data, request, first, Weights::Open, by_base) {
+        Err(Halt::OtherWeights(model)) => {
+            let session = &*reweighted.insert(first.weighted_by(&model, &part)?);
+            diagnose(session, by_one_effect)?
+        }
+        answer => answer?,
+    };
+    let session = reweighted.as_ref().unwrap_or(first);
+    let found = best(&answer);
+    match session.has_weights_of(found)? {
+        true => Ok(answer),
+        false => diagnose(&session.weighted_by(found, &part)?, by_all),
     }
 }
 

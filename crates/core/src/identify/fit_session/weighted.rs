@@ -41,25 +41,31 @@ impl<'a> FitSession<'a> {
         self.again(request, None, observer)
     }
 
-    /// Fits the base model with the weights that follow from what the model of an answer to the
-    /// same measurement leaves. `None` if those of this session hardly differ, or if the noise is
-    /// known.
+    /// Whether the weights that follow from what the model of an answer to the same measurement leaves
+    /// hardly differ from those of this session, or do not depend on a model.
     ///
     /// # Errors
     /// See [`IdentifyError`].
-    pub fn reweighted(
+    pub fn has_weights_of(&self, answer: &Identification) -> Result<bool, IdentifyError> {
+        if self.noise_known() || !self.fitted.weights.depend_on_model {
+            return Ok(true);
+        }
+        let weights = prediction::weights_of(self.measurement, &self.problem, answer)?;
+        Ok(weights.resemble(&self.fitted.weights))
+    }
+
+    /// Fits the base model with the weights that follow from what the model of an answer to the same
+    /// measurement leaves.
+    ///
+    /// # Errors
+    /// See [`IdentifyError`].
+    pub fn weighted_by(
         &self,
         answer: &Identification,
         observer: &'a dyn Observer,
-    ) -> Result<Option<Self>, IdentifyError> {
-        if self.noise_known() || !self.fitted.weights.depend_on_model {
-            return Ok(None);
-        }
+    ) -> Result<Self, IdentifyError> {
         let weights = prediction::weights_of(self.measurement, &self.problem, answer)?;
-        if weights.resemble(&self.fitted.weights) {
-            return Ok(None);
-        }
-        self.again(self.request, Some(&weights), observer).map(Some)
+        self.again(self.request, Some(&weights), observer)
     }
 
     /// The model of an answer to the same measurement that was found with other weights, fitted again

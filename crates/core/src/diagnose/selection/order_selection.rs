@@ -241,6 +241,36 @@ fn described(study: &OrderStudy<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::{exact, noisy, request};
+    use crate::machines::draw::{Draw, NoiseStatement, draw, measure};
+    use crate::machines::simulator::Effect;
+    use crate::measurement::Measurement;
+    use crate::observer::Silent;
+
+    /// Whether the search ends at a single effect whose weights are others than those of the base model;
+    /// `parameter` is one of this effect.
+    fn ends_at(parameter: &str, measurement: &Measurement, weights: Weights) -> bool {
+        let request = request();
+        let session = FitSession::new(measurement, &request, &Silent).unwrap();
+        let data = Data { measurement, doubted: false, lead_s: 0.0 };
+        match diagnose(data, &request, &session, weights, Part::of(&Silent)) {
+            Err(Halt::OtherWeights(model)) => model.parameters.contains_key(parameter),
+            answer => answer.is_err(),
+        }
+    }
+
+    // What the base model leaves of a saturation is far larger at the highest magnitude.
+    #[test]
+    fn weights_that_a_single_effect_changes_are_settled_before_effects_are_combined() {
+        let effects = vec![Effect::new("actuator_saturation", [("limit", 1.2)])];
+        let noise_statement = NoiseStatement::Silent;
+        let saturated = Draw { effects, harmonics: 5, noise_statement, ..draw(0, 3) };
+        let saturated = measure(&saturated, 1).unwrap();
+        let limit = "actuator_saturation.limit";
+        assert!(ends_at(limit, &saturated, Weights::Open));
+        assert!(!ends_at(limit, &saturated, Weights::Settled));
+        assert!(!ends_at(limit, &noisy(&exact(), NoiseStatement::Silent, 1), Weights::Open));
+    }
 
     #[test]
     fn the_shares_of_the_progress_follow_each_other() {

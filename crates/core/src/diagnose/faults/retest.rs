@@ -64,12 +64,16 @@ fn are_needed(
     let whole = mending::mended(measurement, kept).ok()?.measurement;
     let actuator_order = order(answer);
     let request = IdentifyRequest { plant: Some(PlantRequest { actuator_order }), ..*request };
-    let session = FitSession::new(&whole, &request, observer).ok()?;
+    let mut session = FitSession::new(&whole, &request, observer).ok()?;
+    let extended = answer.extended.as_ref()?;
+    if !session.has_weights_of(extended).ok()? {
+        session = session.weighted_by(extended, observer).ok()?;
+    }
     let mut model = session.base().clone();
     for cause in &answer.causes {
         model = session.extend(&model, effects::find(&cause.effect)?);
     }
-    let model = session.at_reported(&model, answer.extended.as_ref()?)?;
+    let model = session.at_reported(&model, extended)?;
     let model = session.refine(&model, FitAccuracy::Settle);
     let seed = request.options.seed;
     let is_noise = |model: &Model| discrepancy::leaves_noise(&session, model, seed);

@@ -15,4 +15,5 @@ pub(super) mod next_experiment;
 pub(super) mod order_selection;
 pub(super) mod order_study;
 pub(super) mod report_assembly;
+mod spans;
 pub(super) mod weighting_choice;

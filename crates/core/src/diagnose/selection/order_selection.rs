@@ -15,6 +15,7 @@ use super::better_order::better_order;
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
+use super::spans::Spans;
 use crate::diagnose::doubt::{Data, Halt, Suspicion};
 use crate::diagnose::faults::suspects::{CLEARLY_BETTER, Suspected};
 use crate::diagnose::faults::words;
@@ -35,30 +36,6 @@ pub(super) enum Weights {
     Open,
     /// They stay.
     Settled,
-}
-
-/// Shares of the progress.
-struct Spans {
-    /// Every effect alone, at every order.
-    singles: [f64; 2],
-    /// The same again at an order that turns out to be better.
-    again: [f64; 2],
-    /// Several effects together, at the best order and at the second best.
-    combining: [[f64; 2]; 2],
-    /// Cross-validation and assembly of the answer.
-    concluding: [f64; 2],
-}
-
-impl Spans {
-    /// For so many orders at first, and perhaps another one beside what is found.
-    fn of(orders: usize, perhaps_another: bool) -> Self {
-        let (studied, combining, concluding) = match orders {
-            1 => (0.3, [[0.3, 0.75], [0.75, 0.75]], [0.75, 1.0]),
-            _ => (0.5, [[0.5, 0.65], [0.65, 0.8]], [0.8, 1.0]),
-        };
-        let first = if perhaps_another { 2.0 / 3.0 * studied } else { studied };
-        Self { singles: [0.0, first], again: [first, studied], combining, concluding }
-    }
 }
 
 /// Diagnoses with the actuator order that was requested. If none was, the order is that of
@@ -95,10 +72,8 @@ pub(super) fn diagnose(
         Ordering::Equal => gives_way,
         Ordering::Greater => true,
     };
-    let others: Vec<IdentifyRequest> = (0..=HIGHEST_ORDER)
-        .filter(|order| of_record && may_be_better(order))
-        .map(of_order)
-        .collect();
+    let others: Vec<IdentifyRequest> =
+        (0..=HIGHEST_ORDER).filter(|order| is_open && may_be_better(order)).map(of_order).collect();
     let quietly = Quiet(&part);
     let mut lower_sessions = Vec::with_capacity(lower.len());
     for request in &lower {
@@ -118,9 +93,12 @@ pub(super) fn diagnose(
         criterion(study) - if study.order() == suited { EQUIVALENCE_MARGIN } else { 0.0 }
     };
     studies.sort_by(|a, b| ranking_criterion(a).total_cmp(&ranking_criterion(b)));
-    if let Some(session) = better_order(&studies[0], &others, first, &quietly)? {
+    let is_settled = of_cosines && studies[0].explained();
+    let others = if is_settled { &[][..] } else { &others };
+    if let Some(session) = better_order(&studies[0], others, first, &quietly)? {
         better = session;
-        studies = vec![OrderStudy::new(&better, part.part(spans.again), seed)?];
+        studies.truncate(if of_cosines { 1 } else { 0 });
+        studies.insert(0, OrderStudy::new(&better, part.part(spans.again), seed)?);
     }
     if weights == Weights::Open {
         let found = studies[0].best()?;
@@ -152,9 +130,11 @@ pub(super) fn diagnose(
         alternative = doubt(&studies, data, margin, &|_| true)?;
     }
     let best = studies.remove(0);
-    if best.order() < suited {
+    if best.order() != suited {
         said.push(match &actuator_doubt {
-            Some(ActuatorDoubt::UnshownResonance { sentence }) => sentence.clone(),
+            Some(ActuatorDoubt::UnshownResonance { sentence }) if best.order() < suited => {
+                sentence.clone()
+            }
             _ => format!(
                 "without effects, an actuator of order {suited} fits best; {} fits better still and \
                  was chosen",
@@ -270,16 +250,5 @@ mod tests {
         assert!(ends_at(limit, &saturated, Weights::Open));
         assert!(!ends_at(limit, &saturated, Weights::Settled));
         assert!(!ends_at(limit, &noisy(&exact(), NoiseStatement::Silent, 1), Weights::Open));
-    }
-
-    #[test]
-    fn the_shares_of_the_progress_follow_each_other() {
-        for (orders, perhaps_another) in [(1, false), (1, true), (3, false), (3, true)] {
-            let Spans { singles, again, combining, concluding } =
-                Spans::of(orders, perhaps_another);
-            let all = [singles, again, combining[0], combining[1], concluding].concat();
-            assert!(all.is_sorted() && (all[0], all[9]) == (0.0, 1.0), "{all:?}");
-            assert_eq!(again[0] < again[1], perhaps_another, "{all:?}");
-        }
     }
 }

@@ -40,8 +40,9 @@ const ONLY_WEIGHTING_SPAN: [f64; 2] = [0.1, 1.0];
 const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.6];
 const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.6, 1.0];
 /// Shares of the progress where no noise is stated: the weights of the base model, those of the best
-/// single effect, and those of the model found.
-const WEIGHTS_LEFT_SPANS: [[f64; 2]; 3] = [[0.1, 0.3], [0.3, 0.7], [0.7, 1.0]];
+/// single effect, and those of the model found. Where the second follow, the first end with the single
+/// effects, halfway at most.
+const WEIGHTS_LEFT_SPANS: [[f64; 2]; 3] = [[0.1, 0.6], [0.35, 0.8], [0.8, 1.0]];
 
 /// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
 /// and win if they leave clearly less of the response. If the base model is very far from the

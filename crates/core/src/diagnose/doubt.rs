@@ -1,6 +1,6 @@
 //! What passes between a diagnosis and the search for faults of its measurement.
 
-use crate::answers::{AsMeasured, Identification, MeasurementFault};
+use crate::answers::{AsMeasured, MeasurementFault};
 use crate::identify::IdentifyError;
 use crate::measurement::Measurement;
 
@@ -33,8 +33,6 @@ pub(crate) enum Halt {
     Error(DiagnoseError),
     /// The measurement has faults.
     Faults(Box<Suspicion>),
-    /// The weights that follow from what this model leaves are others than those of the base model.
-    OtherWeights(Box<Identification>),
 }
 
 impl From<DiagnoseError> for Halt {

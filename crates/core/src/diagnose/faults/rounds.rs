@@ -19,9 +19,6 @@ use super::{clipping, isolated, mending, readings, renumber, retest, row_regions
 /// Most rounds of mending the measurement and diagnosing it again.
 const MOST_ROUNDS: usize = 5;
 
-/// Why no diagnosis ends for its weights here.
-const SETTLED: &str = "the choice of a weighting settles the weights";
-
 /// Diagnoses a measurement, and looks for faults of it that show beside a model.
 ///
 /// # Errors
@@ -93,7 +90,6 @@ impl Rounds<'_> {
                     self.add(*suspicion, &mended);
                     Next::Again
                 }
-                Err(Halt::OtherWeights(_)) => unreachable!("{SETTLED}"),
             };
             match next {
                 Next::Answer(answer) => return Ok(*answer),
@@ -255,6 +251,5 @@ pub(super) fn undoubted(
         Ok(answer) => Ok(answer),
         Err(Halt::Error(error)) => Err(error),
         Err(Halt::Faults(_)) => unreachable!("no fault is looked for"),
-        Err(Halt::OtherWeights(_)) => unreachable!("{SETTLED}"),
     }
 }

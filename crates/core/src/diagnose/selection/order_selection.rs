@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 use std::iter;
 
-use crate::answers::{Diagnosis, MeasurementFault, PlantRequest};
+use crate::answers::{Diagnosis, Identification, PlantRequest};
 use crate::identify::{FitSession, IdentifyRequest};
 
 use super::actuator_doubt::ActuatorDoubt;
@@ -15,8 +15,9 @@ use super::better_order::better_order;
 use super::causes::EQUIVALENCE_MARGIN;
 use super::evidence::ACTUATOR_ORDER_COST;
 use super::order_study::OrderStudy;
+use super::rival_faults::doubt;
 use super::spans::Spans;
-use crate::diagnose::doubt::{Data, Halt, Suspicion};
+use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::faults::suspects::{CLEARLY_BETTER, Suspected};
 use crate::diagnose::faults::words;
 use crate::diagnose::progress::{Part, Quiet};
@@ -28,32 +29,60 @@ const LARGEST_CLEAR_PRICE: f64 = 50.0;
 /// Highest order of an actuator.
 const HIGHEST_ORDER: u8 = 2;
 
-/// Whether the weights of a session stay as they are.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Weights {
-    /// They follow from what the base model leaves, and are to follow from what the best single effect
-    /// leaves before effects are combined.
-    Open,
-    /// They stay.
-    Settled,
+/// What a search with the weights of the base model ends with.
+pub(super) enum Found {
+    /// The answer.
+    Answer(Box<Diagnosis>),
+    /// The best model of one effect at most, from which other weights follow than those of the base
+    /// model. No effects were combined.
+    OtherWeights(Box<Identification>),
 }
 
-/// Diagnoses with the actuator order that was requested. If none was, the order is that of
-/// `first`, which suits the base model without any effect, unless a lower order is better by more
-/// than [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, or lower ones in its
-/// place if its actuator is in doubt. Then, beside the effects that are found, a higher order is taken if
-/// it is better by as much, or a lower one if it is better and the actuator is beyond the excited band.
+/// Diagnoses with the weights of a session; see [`unless_reweighted`].
 ///
 /// # Errors
-/// See [`crate::diagnose::DiagnoseError`]; the faults of the measurement, if it is doubted and has any;
-/// and the best model of one effect, if the weights are open and those that follow from it are others.
+/// See [`crate::diagnose::DiagnoseError`]; and the faults of the measurement, if it is doubted and
+/// has any.
 pub(super) fn diagnose(
     data: Data<'_>,
     request: &IdentifyRequest,
     first: &FitSession<'_>,
-    weights: Weights,
     part: Part<'_>,
 ) -> Result<Diagnosis, Halt> {
+    match search(data, request, first, false, part)? {
+        Found::Answer(answer) => Ok(*answer),
+        Found::OtherWeights(_) => unreachable!("the weights stay"),
+    }
+}
+
+/// Diagnoses with the weights of a session, unless others follow from the best single effect: then it
+/// ends before effects are combined.
+///
+/// The actuator has the order that was requested. If none was, the order is that of `first`, which suits
+/// the base model without any effect, unless a lower order is better by more than
+/// [`EQUIVALENCE_MARGIN`]. On time records the order of `first` is studied, or lower ones in its place if
+/// its actuator is in doubt. Then, beside the effects that are found, a higher order is taken if it is
+/// better by as much, or, on time records, a lower one if it is better and the actuator is beyond the
+/// excited band. Where one effect explains a table, no higher order is tried.
+///
+/// # Errors
+/// As of [`diagnose`].
+pub(super) fn unless_reweighted(
+    data: Data<'_>,
+    request: &IdentifyRequest,
+    first: &FitSession<'_>,
+    part: Part<'_>,
+) -> Result<Found, Halt> {
+    search(data, request, first, true, part)
+}
+
+fn search(
+    data: Data<'_>,
+    request: &IdentifyRequest,
+    first: &FitSession<'_>,
+    may_be_reweighted: bool,
+    part: Part<'_>,
+) -> Result<Found, Halt> {
     let measurement = data.measurement;
     let (seed, most) = (request.options.seed, request.options.most_effects);
     let suited = first.order();
@@ -97,13 +126,14 @@ pub(super) fn diagnose(
     let others = if is_settled { &[][..] } else { &others };
     if let Some(session) = better_order(&studies[0], others, first, &quietly)? {
         better = session;
-        studies.truncate(if of_cosines { 1 } else { 0 });
+        // Of a table the next best order stays, to be studied where this one is not enough.
+        studies.truncate(usize::from(of_cosines));
         studies.insert(0, OrderStudy::new(&better, part.part(spans.again), seed)?);
     }
-    if weights == Weights::Open {
+    if may_be_reweighted {
         let found = studies[0].best()?;
         if !first.has_weights_of(&found)? {
-            return Err(Halt::OtherWeights(Box::new(found)));
+            return Ok(Found::OtherWeights(Box::new(found)));
         }
     }
     if data.doubted && !studies[0].explained() {
@@ -159,51 +189,7 @@ pub(super) fn diagnose(
         words::describe_suspects(&mut answer.rival_faults, measurement);
     }
     answer.limitations.extend(said);
-    Ok(answer)
-}
-
-/// Faults of the measurement that explain it about as well as effects of the machine do.
-struct Alternative {
-    faults: Vec<MeasurementFault>,
-    /// By how much their −2 ln evidence is lower.
-    lead: f64,
-}
-
-impl Alternative {
-    /// Posterior probability of the effects beside the faults.
-    fn share_of_effects(&self) -> f64 {
-        1.0 / (1.0 + (0.5 * self.lead).exp())
-    }
-}
-
-/// What the best model of any order with faults of the measurement is to the best without any, if it is
-/// better and `is_clear`.
-///
-/// # Errors
-/// Halts where it is better by more than a margin of −2 ln evidence.
-fn doubt(
-    studies: &[OrderStudy<'_>],
-    data: Data<'_>,
-    margin: f64,
-    is_clear: &dyn Fn(&Suspected) -> bool,
-) -> Result<Option<Alternative>, Halt> {
-    let order_cost = |study: &OrderStudy<'_>| ACTUATOR_ORDER_COST * f64::from(study.order());
-    let without = studies.iter().map(|study| study.best_criterion() + order_cost(study));
-    let without = without.fold(f64::INFINITY, f64::min);
-    let explaining = studies.iter().find(|study| study.explained()).map(|study| &study.chosen);
-    let suspected = studies.iter().filter_map(|study| {
-        let suspected = study.suspected(data.lead_s, explaining).filter(is_clear)?;
-        let lead = without - suspected.criterion - order_cost(study);
-        Some(Alternative { faults: suspected.faults, lead })
-    });
-    let best = suspected.max_by(|a, b| a.lead.total_cmp(&b.lead));
-    match (best, studies.first()) {
-        (Some(best), Some(study)) if best.lead > margin => {
-            let as_measured = study.as_measured()?;
-            Err(Halt::Faults(Box::new(Suspicion { faults: best.faults, as_measured })))
-        }
-        (best, _) => Ok(best.filter(|best| best.lead > 0.0)),
-    }
+    Ok(Found::Answer(Box::new(answer)))
 }
 
 /// −2 ln evidence of an order with its causes.
@@ -226,16 +212,16 @@ mod tests {
     use crate::machines::simulator::Effect;
     use crate::measurement::Measurement;
     use crate::observer::Silent;
+    use crate::plant::{Actuator, Friction, Plant};
 
-    /// Whether the search ends at a single effect whose weights are others than those of the base model;
-    /// `parameter` is one of this effect.
-    fn ends_at(parameter: &str, measurement: &Measurement, weights: Weights) -> bool {
+    /// The parameters of the best single effect, if other weights follow from it.
+    fn reweighted_by(measurement: &Measurement) -> Option<Vec<String>> {
         let request = request();
         let session = FitSession::new(measurement, &request, &Silent).unwrap();
         let data = Data { measurement, doubted: false, lead_s: 0.0 };
-        match diagnose(data, &request, &session, weights, Part::of(&Silent)) {
-            Err(Halt::OtherWeights(model)) => model.parameters.contains_key(parameter),
-            answer => answer.is_err(),
+        match unless_reweighted(data, &request, &session, Part::of(&Silent)).unwrap() {
+            Found::OtherWeights(model) => Some(model.parameters.into_keys().collect()),
+            Found::Answer(_) => None,
         }
     }
 
@@ -246,9 +232,39 @@ mod tests {
         let noise_statement = NoiseStatement::Silent;
         let saturated = Draw { effects, harmonics: 5, noise_statement, ..draw(0, 3) };
         let saturated = measure(&saturated, 1).unwrap();
-        let limit = "actuator_saturation.limit";
-        assert!(ends_at(limit, &saturated, Weights::Open));
-        assert!(!ends_at(limit, &saturated, Weights::Settled));
-        assert!(!ends_at(limit, &noisy(&exact(), NoiseStatement::Silent, 1), Weights::Open));
+        let found = reweighted_by(&saturated).unwrap();
+        assert!(found.iter().any(|name| name == "actuator_saturation.limit"), "{found:?}");
+        assert_eq!(reweighted_by(&noisy(&exact(), NoiseStatement::Silent, 1)), None);
+    }
+
+    // Without the backlash the actuator's lag is not worth a parameter.
+    #[test]
+    fn a_higher_order_is_tried_beside_an_effect_that_is_not_enough() {
+        let (actuator, friction) =
+            (Actuator::FirstOrder { corner_rad_s: 90.6 }, Friction::coulomb(0.258, 0.265));
+        let plant = Plant { viscous_rate_rad_s: 6.68, constant: 24.8, actuator, friction };
+        let joint = [("load_inertia_fraction", 0.3), ("stiffness", 13.0), ("damping", 0.0794)];
+        let gap = [("gap", 0.00955)];
+        let effects = vec![Effect::new("backlash", joint.into_iter().chain(gap))];
+        let omegas = (0..14).map(|i| 1.336 * 40f64.powf(f64::from(i) / 13.0));
+        let design = omegas.flat_map(|omega| [0.775, 1.29, 2.15].map(|m| (m, omega))).collect();
+        let (noise_db, noise_statement) = (Some(54.0), NoiseStatement::Silent);
+        let draw = Draw { plant, effects, design, harmonics: 3, noise_db, noise_statement };
+        let measurement = &measure(&draw, 6).unwrap();
+        let request = IdentifyRequest { plant: None, ..request() };
+        let session = FitSession::new(measurement, &request, &Silent).unwrap();
+        assert_eq!(session.order(), 0);
+        let data = Data { measurement, doubted: false, lead_s: 0.0 };
+        let part = Part::of(&Silent);
+        let step = |session: &FitSession<'_>| match unless_reweighted(data, &request, session, part)
+            .unwrap()
+        {
+            Found::OtherWeights(model) => *model,
+            Found::Answer(answer) => answer.extended.unwrap(),
+        };
+        let model = step(&session);
+        let model = step(&session.weighted_by(&model, &Silent).unwrap());
+        let has = |parameter: &str| model.parameters.contains_key(parameter);
+        assert!(has("backlash.gap") && has("actuator_pole"), "{:?}", model.parameters);
     }
 }

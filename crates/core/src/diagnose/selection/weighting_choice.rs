@@ -8,7 +8,7 @@
 use crate::answers::{Diagnosis, Identification, IdentifyOptions, Weighting};
 use crate::identify::{FitSession, IdentifyRequest};
 
-use super::order_selection::{self, Weights};
+use super::order_selection::{self, Found};
 use crate::diagnose::doubt::{Data, Halt};
 use crate::diagnose::faults::{readings, wrong_gain};
 use crate::diagnose::progress::{Part, Quiet};
@@ -41,7 +41,7 @@ const FIRST_WEIGHTING_SPAN: [f64; 2] = [0.1, 0.6];
 const SECOND_WEIGHTING_SPAN: [f64; 2] = [0.6, 1.0];
 /// Shares of the progress where no noise is stated: the weights of the base model, those of the best
 /// single effect, and those of the model found. Where the second follow, the first end with the single
-/// effects, halfway at most.
+/// effects, at 0.35 at most.
 const WEIGHTS_LEFT_SPANS: [[f64; 2]; 3] = [[0.1, 0.6], [0.35, 0.8], [0.8, 1.0]];
 
 /// Diagnoses with noise weights. If no model is limited by the noise, equal weights are tried too,
@@ -76,8 +76,7 @@ fn choose_weighting(
     {
         return Err(halt);
     }
-    let by_noise =
-        |span| order_selection::diagnose(data, request, &first, Weights::Settled, part.part(span));
+    let by_noise = |span| order_selection::diagnose(data, request, &first, part.part(span));
     let equal_weights = |span| {
         let part = part.part(span);
         let fitting = part.part([0.0, OWN_BASE_FIT_SHARE]);
@@ -87,7 +86,6 @@ fn choose_weighting(
             undoubted,
             &equal_request,
             &session,
-            Weights::Settled,
             part.part([OWN_BASE_FIT_SHARE, 1.0]),
         )
     };
@@ -131,16 +129,15 @@ fn by_what_is_left(
     part: Part<'_>,
 ) -> Result<Diagnosis, Halt> {
     let [by_base, by_one_effect, by_all] = WEIGHTS_LEFT_SPANS.map(|span| part.part(span));
-    let diagnose = |session: &FitSession<'_>, part| {
-        order_selection::diagnose(data, request, session, Weights::Settled, part)
-    };
+    let diagnose =
+        |session: &FitSession<'_>, part| order_selection::diagnose(data, request, session, part);
     let mut reweighted = None;
-    let answer = match order_selection::diagnose(data, request, first, Weights::Open, by_base) {
-        Err(Halt::OtherWeights(model)) => {
-            let session = &*reweighted.insert(first.weighted_by(&model, &part)?);
+    let answer = match order_selection::unless_reweighted(data, request, first, by_base)? {
+        Found::Answer(answer) => *answer,
+        Found::OtherWeights(model) => {
+            let session = reweighted.insert(first.weighted_by(&model, &part)?);
             diagnose(session, by_one_effect)?
         }
-        answer => answer?,
     };
     let session = reweighted.as_ref().unwrap_or(first);
     let found = best(&answer);

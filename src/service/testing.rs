@@ -52,6 +52,7 @@ impl Numerics for Scripted {
             bad_samples: None,
             clipping: None,
             range: None,
+            unknown_input: Vec::new(),
             response: vec![Harmonic { order: 1, value: Complex::new(0.5, -0.5), std: None }],
             run: None,
             repeats: Vec::new(),

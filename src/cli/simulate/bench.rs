@@ -127,6 +127,7 @@ impl Bench {
                     bad_samples: None,
                     clipping: None,
                     range: None,
+                    unknown_input: Vec::new(),
                     response,
                     run: Some(point.run as f64),
                     repeats,

@@ -135,6 +135,7 @@ impl Responses {
                 bad_samples: None,
                 clipping: None,
                 range: None,
+                unknown_input: Vec::new(),
                 response,
                 run: Some(point.run as f64),
                 repeats,

@@ -114,6 +114,7 @@ fn multisine(change: impl Fn(usize) -> f64) -> Measurement {
         bad_samples: None,
         clipping: None,
         range: None,
+        unknown_input: Vec::new(),
         response,
         run: None,
         repeats: Vec::new(),

@@ -32,6 +32,7 @@ use super::problem::Problem;
 use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, solve};
+use super::unknown_input;
 pub use changed::DatumChange;
 use coarse::Coarse;
 pub use left_out::LeavingOut;
@@ -92,8 +93,19 @@ impl<'a> FitSession<'a> {
         problem: Problem,
         (weights, known): (Option<&Weights>, &[Fitted]),
     ) -> Result<Self, IdentifyError> {
-        let Solved { chosen, order_choice, fits } =
-            solve(measurement, &problem, request, (weights, known), observer)?;
+        let mut problem = problem;
+        let mut solved = solve(measurement, &problem, request, (weights, known), observer)?;
+        if problem.lacks_inputs() {
+            for _ in 0..unknown_input::ROUNDS {
+                let Fitted { coordinates, point, weights: own, .. } = &solved.chosen;
+                let base = (&coordinates.plant(point), &[][..]);
+                problem.estimate_inputs(base, own).map_err(|_| no_response())?;
+                let weights = weights.map(|weights| weights.clone().eliminating(&problem));
+                let from = (weights.as_ref(), &solved.fits[..]);
+                solved = solve(measurement, &problem, request, from, observer)?;
+            }
+        }
+        let Solved { chosen, order_choice, fits } = solved;
         // Of given weights it is still true that others may follow from a better model.
         let depend_on_model =
             weights.map_or(chosen.weights.depend_on_model, |given| given.depend_on_model);

@@ -68,6 +68,7 @@ fn experiment(
         bad_samples: None,
         clipping: None,
         range: None,
+        unknown_input: Vec::new(),
         response: velocity.into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

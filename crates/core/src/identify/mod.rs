@@ -13,6 +13,7 @@ pub mod bee_colony;
 mod closed_form;
 mod corrected;
 mod effect_coordinates;
+mod eliminated;
 mod estimated_noise;
 mod estimates;
 mod features;
@@ -53,7 +54,7 @@ mod uncertainty;
 mod unit_compatibility;
 mod unit_cube_objective;
 mod units;
-mod unknown_jump;
+mod unknown_input;
 mod variance_law;
 mod variance_shrinkage;
 

@@ -47,6 +47,16 @@ pub(super) fn weights(
     options: &IdentifyOptions,
     model: Option<Beside<'_>>,
 ) -> Weights {
+    deviations(measurement, problem, options, model).eliminating(problem)
+}
+
+/// The same without what is eliminated.
+fn deviations(
+    measurement: &Measurement,
+    problem: &Problem,
+    options: &IdentifyOptions,
+    model: Option<Beside<'_>>,
+) -> Weights {
     let experiments = measurement.experiments();
     let uniform = |sigma: f64, source| Weights {
         sigma: problem.experiments.iter().map(|e| vec![sigma; e.targets.len()]).collect(),
@@ -56,6 +66,7 @@ pub(super) fn weights(
         law: None,
         scatter_law: None,
         scatter: Vec::new(),
+        eliminated: Vec::new(),
     };
     if options.weights == Weighting::Response {
         return uniform(1.0, NoiseSource::Estimated);

@@ -9,11 +9,11 @@ use crate::measurement::Complex;
 use crate::observer::Observer;
 use crate::simulate::{self, Counts, LastMotion, NoResponse, Response};
 
+use super::eliminated;
 use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
 use super::problem::{Prepared, Problem};
-use super::unknown_jump::{self, Direction};
 
 /// The misfit of a problem as a function of its coordinates.
 #[derive(Clone, Copy)]
@@ -143,10 +143,6 @@ impl<'a> Misfit<'a> {
         experiments.filter(|(_, experiment)| is_unanswered(experiment)).map(|(e, _)| e).collect()
     }
 
-    fn unknown_jumps(&self) -> Vec<Direction> {
-        unknown_jump::directions(self.problem, self.weights)
-    }
-
     /// Residuals (Ŷ − Y)/σ, in the order of [`Linearisation::residuals`].
     pub fn residuals(&self, point: &[f64]) -> Result<DVector<f64>, NoResiduals> {
         let predicted = self.predict(point)?;
@@ -160,7 +156,7 @@ impl<'a> Misfit<'a> {
                 }
             }
         }
-        unknown_jump::eliminate(&self.unknown_jumps(), &mut residuals);
+        eliminated::eliminate(&self.weights.eliminated, &mut residuals);
         Ok(DVector::from_vec(residuals))
     }
 
@@ -232,11 +228,11 @@ impl<'a> Misfit<'a> {
                 row += if target.real { 1 } else { 2 };
             }
         }
-        let jumps = self.unknown_jumps();
-        unknown_jump::eliminate(&jumps, residuals.as_mut_slice());
+        let directions = &self.weights.eliminated;
+        eliminated::eliminate(directions, residuals.as_mut_slice());
         // Columns follow one another.
         for column in jacobian.as_mut_slice().chunks_exact_mut(residuals.len().max(1)) {
-            unknown_jump::eliminate(&jumps, column);
+            eliminated::eliminate(directions, column);
         }
         Linearisation { residuals, jacobian }
     }
@@ -249,8 +245,8 @@ impl<'a> Misfit<'a> {
     /// Sets K to its best value given the other coordinates, and returns the cost there.
     ///
     /// The response is proportional to K, so the best K is the projection of the data on the
-    /// response to K = 1. The search needs no dimension for it. Jumps that are not known count as they
-    /// were read: it is enough for a start.
+    /// response to K = 1. The search needs no dimension for it. What is eliminated counts as it
+    /// was read: it is enough for a start.
     pub fn solve_for_constant(&self, point: &mut [f64]) -> f64 {
         point[CONSTANT] = 0.0;
         let Ok(unit) = self.predict(point) else { return f64::INFINITY };

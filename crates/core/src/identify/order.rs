@@ -155,6 +155,7 @@ mod tests {
                     law: None,
                     scatter_law: None,
                     scatter: Vec::new(),
+                    eliminated: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;
                 Fitted { order, coordinates, point, weights, cost, stages: Vec::new() }

@@ -11,11 +11,12 @@ use crate::measurement::{Complex, Experiment, Measurement, ResponseKind};
 use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::{Counts, NoResponse};
 
+use super::eliminated;
 use super::noise;
 use super::noise::{Beside, Weights};
 use super::problem::{Prepared, Problem, Scales, Target};
-use super::request::IdentifyError;
-use super::unknown_jump;
+use super::request::{IdentifyError, no_response};
+use super::unknown_input;
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -32,10 +33,16 @@ pub fn compare(
 ) -> Result<Comparison, IdentifyError> {
     let measurement = &*measurement.repeated();
     let left_out: Vec<usize> = answer.fit.unanswered.iter().map(|lost| lost.experiment).collect();
-    let whole = Problem::new(measurement)?;
+    let mut whole = Problem::new(measurement)?;
+    let plant = whole.in_scale(&reported_plant(answer)?);
+    let effects = reported_effects(answer, whole.scales)?;
+    if whole.lacks_inputs() {
+        for _ in 0..unknown_input::ROUNDS {
+            let weights = weights_of(measurement, &whole, answer)?;
+            whole.estimate_inputs((&plant, &effects), &weights).map_err(|_| no_response())?;
+        }
+    }
     let problem = whole.only(&whole.subset(|e, _| !left_out.contains(&e)));
-    let plant = problem.in_scale(&reported_plant(answer)?);
-    let effects = reported_effects(answer, problem.scales)?;
     let weights = weights_of(measurement, &problem, answer)?;
     let simulated = simulated(&problem, (&plant, &effects), |_| true);
     Ok(beside(measurement, (&problem, &[]), simulated, &weights, answer.fit.dof))
@@ -98,8 +105,8 @@ pub(super) fn beside(
                 harmonics: harmonics(
                     experiment,
                     (prepared, corrections.get(index).map_or(&[], Vec::as_slice)),
-                    &simulated,
-                    &weights.sigma[index],
+                    (index, &simulated),
+                    weights,
                     problem.response_scale,
                 ),
             }),
@@ -136,19 +143,20 @@ pub(super) fn beside(
 fn harmonics(
     experiment: &Experiment,
     (prepared, corrections): (&Prepared, &[Complex]),
-    alone: &[Complex],
-    sigma: &[f64],
+    (index, alone): (usize, &[Complex]),
+    weights: &Weights,
     response_scale: f64,
 ) -> Vec<ComparedHarmonic> {
     let pair = |z: Complex| [z.re, z.im];
-    let jumps = unknown_jump::added(prepared, sigma, alone);
+    let sigma = &weights.sigma[index];
+    let added = eliminated::added(&weights.eliminated, (index, prepared), sigma, alone);
     let targets = prepared.targets.iter().zip(sigma).enumerate();
     targets
         .filter(|(_, (target, _))| !target.constraint)
-        .map(|(index, (target, sigma))| {
+        .map(|(t, (target, sigma))| {
             let order = target.order;
-            let correction = corrections.get(index).copied().unwrap_or(Complex::ZERO);
-            let simulated = (alone[index] + jumps[index] + correction) * response_scale;
+            let correction = corrections.get(t).copied().unwrap_or(Complex::ZERO);
+            let simulated = (alone[t] + added[t] + correction) * response_scale;
             let measured = experiment.harmonic(order).map_or(Complex::ZERO, |h| h.value);
             ComparedHarmonic {
                 order,

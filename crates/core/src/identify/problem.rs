@@ -136,11 +136,6 @@ impl Problem {
         self.experiments.iter().flat_map(|e| &e.targets).map(components).sum()
     }
 
-    /// Number of jumps that are estimated with every model.
-    pub fn unknown_jumps(&self) -> usize {
-        self.experiments.iter().filter(|experiment| experiment.unknown_jump).count()
-    }
-
     /// The scales from which effects derive the ranges of their parameters, given the plant of the
     /// base model; plant and result are in scale.
     pub fn scope(&self, plant: &Plant) -> Scope {

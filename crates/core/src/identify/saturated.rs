@@ -20,7 +20,7 @@ const LEFT: f64 = 1e-6;
 /// Whether a fit has as many parameters as there are data, and a minimum of this cost is not the best.
 pub(super) fn misses(misfit: &Misfit<'_>, cost: f64) -> bool {
     let problem = misfit.problem;
-    let parameters = misfit.coordinates.len() + problem.unknown_jumps();
+    let parameters = misfit.coordinates.len() + misfit.weights.eliminated.len();
     problem.data() <= parameters && cost > LEFT * size(misfit)
 }
 

@@ -8,7 +8,9 @@ use crate::measurement::{Complex, Measurement};
 use crate::plant::{Actuator, Plant};
 
 use super::corrected::Corrected;
+use super::eliminated;
 use super::estimates::Estimates;
+use super::noise::Weights;
 use super::objective::{Evaluation, Misfit};
 use super::parameters::Coordinate;
 use super::pipeline::Fitted;
@@ -19,7 +21,6 @@ use super::reported_noise::reported;
 use super::search_settings::SearchSettings;
 use super::uncertainty::{Uncertainty, with_prior};
 use super::units::Units;
-use super::unknown_jump;
 
 /// Significance level of the χ² test of adequacy: with a smaller p-value the residuals are more
 /// than noise.
@@ -59,7 +60,7 @@ pub(super) fn summarise(
     let held = refine::held(misfit, &fitted.point, here);
     let fitted_count = held.iter().filter(|held| !**held).count();
     // With fewer data than parameters, no degrees of freedom are left.
-    let estimated = fitted_count + problem.unknown_jumps();
+    let estimated = fitted_count + fitted.weights.eliminated.len();
     let dof = problem.data().saturating_sub(estimated) as i64;
     let fit = goodness(problem, fitted, predicted, dof);
     let known = fitted.weights.known();
@@ -113,9 +114,10 @@ fn quantile95(dof: f64) -> f64 {
 fn goodness(problem: &Problem, fitted: &Fitted, predicted: &[Vec<Complex>], dof: i64) -> Fit {
     let (mut left, mut size, mut simulated, mut count) = (0.0, 0.0, 0.0, 0);
     for (e, experiment) in problem.experiments.iter().enumerate() {
-        let jumps = unknown_jump::added(experiment, &fitted.weights.sigma[e], &predicted[e]);
+        let Weights { sigma, eliminated, .. } = &fitted.weights;
+        let added = eliminated::added(eliminated, (e, experiment), &sigma[e], &predicted[e]);
         for (t, target) in experiment.targets.iter().enumerate().filter(|(_, t)| !t.constraint) {
-            left += (predicted[e][t] + jumps[t] - target.value).norm_sqr();
+            left += (predicted[e][t] + added[t] - target.value).norm_sqr();
             size += target.value.norm_sqr();
             simulated += predicted[e][t].norm_sqr();
             count += 1;

@@ -13,6 +13,7 @@ mod suspect;
 #[cfg(test)]
 mod tests;
 
+use super::clipping::CutOff;
 use super::spectrum::Periods;
 use super::{Experiment, Record, ResponseKind, resolution};
 use crate::answers::Channel;
@@ -122,6 +123,9 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods, moves_on: bool) 
         })
         .collect();
     let mut others = rough.longer;
+    // The top of a wave that was cut off once has two edges, too.
+    let cut = CutOff::of(&values[begin..]);
+    found.retain(|one| !cut.is_at_limit(values, one.first..one.first + one.count));
     if periodic {
         let jumps = Jumps::of(&usual);
         found.retain(|one| {

@@ -5,10 +5,13 @@
 //! diagnosis decides which it is.
 
 mod fill;
+mod unknown;
+
+use std::ops::Range;
 
 use super::record::{Record, RecordStatement};
 use super::spectrum::{self, Periods};
-use super::{ChannelRange, Clipping, ResponseKind, resolution};
+use super::{ChannelRange, Clipping, Experiment, ResponseKind, resolution};
 use fill::Fill;
 
 /// Fewest samples at a limit, and fewest of them in a row somewhere.
@@ -43,11 +46,15 @@ impl Record {
         let is_velocity = stated.kind == ResponseKind::Velocity;
         let response =
             if is_velocity { CutOff::of(&self.output[begin..]) } else { CutOff::default() };
-        let filled = input.filled(&self.input[begin..], length).map(|samples| {
+        let filled = input.filled(&self.input[begin..], length).map(|filled| {
             let mut record = Self { time_s: Vec::new(), ..self.clone() };
-            record.input[begin..].copy_from_slice(&samples);
+            record.input[begin..].copy_from_slice(&filled.samples);
             let outputs = spectrum::of_periods(&record.output, periods);
-            record.of_periods(outputs, (periods.samples, period_s), stated, &mut Vec::new())
+            let experiment =
+                record.of_periods(outputs, (periods.samples, period_s), stated, &mut Vec::new());
+            let highest = experiment.response.last().map_or(0, |harmonic| harmonic.order);
+            let unknown_input = unknown::directions(&filled.cut, length, highest, filled.beyond);
+            Experiment { unknown_input, ..experiment }
         });
         if filled.is_none() && response.share == 0.0 {
             return None;
@@ -64,9 +71,18 @@ impl Record {
     }
 }
 
+/// Periods with what was cut off filled in.
+struct Filled {
+    samples: Vec<f64>,
+    /// Where they were cut off, by period.
+    cut: Vec<Vec<usize>>,
+    /// How far they lie beyond the limits, at most.
+    beyond: f64,
+}
+
 /// What a channel cuts off.
 #[derive(Debug, Default)]
-struct CutOff {
+pub(super) struct CutOff {
     limits: [Option<f64>; 2],
     /// Share of the samples.
     share: f64,
@@ -75,7 +91,7 @@ struct CutOff {
 impl CutOff {
     /// Nothing is cut off if too little would be left. A range is mostly symmetric: of its other end one
     /// sample is enough.
-    fn of(samples: &[f64]) -> Self {
+    pub(super) fn of(samples: &[f64]) -> Self {
         let limits = match limits(samples) {
             [None, Some(end)] | [Some(end), None] if samples.contains(&-end) => {
                 [Some(-end.abs()), Some(end.abs())]
@@ -92,9 +108,15 @@ impl CutOff {
         self.limits.contains(&Some(value))
     }
 
+    /// Whether any of these samples, or one beside them, lies at a limit.
+    pub(super) fn is_at_limit(&self, samples: &[f64], these: Range<usize>) -> bool {
+        let (first, end) = (these.start.saturating_sub(1), (these.end + 1).min(samples.len()));
+        samples[first..end].iter().any(|value| self.is_cut(*value))
+    }
+
     /// Periods of so many samples with what was cut off filled in; it lies beyond the limits. `None` if
     /// nothing was: the samples on both sides of a top may be equal, and fit what is beside them.
-    fn filled(&self, samples: &[f64], length: usize) -> Option<Vec<f64>> {
+    fn filled(&self, samples: &[f64], length: usize) -> Option<Filled> {
         if self.share == 0.0 {
             return None;
         }
@@ -105,17 +127,18 @@ impl CutOff {
         let mut filled = samples.to_vec();
         Fill::of(length).fill(&mut filled, &cut);
         let [lowest, highest] = self.limits;
-        let mut moved = 0.0_f64;
+        let mut beyond = 0.0_f64;
         for (before, after) in samples.iter().zip(&mut filled) {
             if Some(*before) == highest {
                 *after = after.max(*before);
             } else if Some(*before) == lowest {
                 *after = after.min(*before);
             }
-            moved = moved.max((*after - before).abs());
+            beyond = beyond.max((*after - before).abs());
         }
         let [least, most] = ends(samples.iter().copied());
-        (moved > NEAR_SHARE * (most - least)).then_some(filled)
+        let filled = Filled { samples: filled, cut, beyond };
+        (beyond > NEAR_SHARE * (most - least)).then_some(filled)
     }
 }
 
@@ -180,7 +203,7 @@ mod tests {
         let samples = clipped(&whole, -2.5, 4.0);
         let cut = CutOff::of(&samples);
         assert!((0.05..0.3).contains(&cut.share), "{}", cut.share);
-        let samples = cut.filled(&samples, LENGTH).unwrap();
+        let samples = cut.filled(&samples, LENGTH).unwrap().samples;
         let squares = whole.iter().zip(&samples).map(|(a, b)| (a - b).powi(2));
         let rms = (squares.sum::<f64>() / whole.len() as f64).sqrt();
         // The noise itself is 2.4e-3; a tenth of the samples is filled in.

@@ -76,6 +76,9 @@ pub struct Experiment {
     pub clipping: Option<Box<Clipping>>,
     /// The range of the channel of the response, if it cuts off what a model predicts beyond.
     pub range: Option<ChannelRange>,
+    /// Directions along which the input is not known, as lines Uₖ from k = 0 like `input`: each is the
+    /// standard deviation of a number that was not measured, such as some samples that were cut off.
+    pub unknown_input: Vec<Vec<Complex>>,
     /// Yₖ, mean over the repeats, in ascending order of k without duplicates.
     pub response: Vec<Harmonic>,
     /// Position in the order of acquisition, if known.

@@ -282,6 +282,7 @@ impl Record {
             bad_samples: None,
             clipping: None,
             range: None,
+            unknown_input: Vec::new(),
             response: output[..=highest]
                 .iter()
                 .enumerate()

@@ -82,6 +82,7 @@ mod tests {
             bad_samples: None,
             clipping: None,
             range: None,
+            unknown_input: Vec::new(),
             response: (1..=harmonics).map(harmonic).collect(),
             run: None,
             repeats: deviations.into_iter().map(repeat).collect(),

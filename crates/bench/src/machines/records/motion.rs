@@ -88,6 +88,7 @@ impl PeriodicMotion {
             bad_samples: None,
             clipping: None,
             range: None,
+            unknown_input: Vec::new(),
             response: response.map(harmonic).collect(),
             run: Some(run),
             repeats: Vec::new(),

@@ -43,6 +43,7 @@ fn observed(mut observe: impl FnMut(&[Complex]) -> (Vec<Harmonic>, Vec<Repeat>))
                 bad_samples: None,
                 clipping: None,
                 range: None,
+                unknown_input: Vec::new(),
                 response,
                 run: None,
                 repeats,

@@ -59,7 +59,16 @@ mod tests {
 
     /// The answer to a record of four periods with noise of 0.3 % of the largest value, of which the
     /// channels read up to these shares of their largest values.
-    fn answer(effects: &[Effect], [input, response]: [f64; 2]) -> Diagnosis {
+    fn answer(effects: &[Effect], shares: [f64; 2]) -> Diagnosis {
+        answer_of_periods(PERIODS, effects, shares)
+    }
+
+    /// The same to a record of so many periods.
+    fn answer_of_periods(
+        periods: usize,
+        effects: &[Effect],
+        [input, response]: [f64; 2],
+    ) -> Diagnosis {
         let rng = &mut ChaCha8Rng::seed_from_u64(5);
         let lines = multisine(40, 2.0, rng);
         let (machine, settings) = (Machine { plant: plant(), effects }, Settings::default());
@@ -76,11 +85,11 @@ mod tests {
                 let scatter: f64 = StandardNormal.sample(rng);
                 (value + noise * largest * scatter).clamp(-share * largest, share * largest)
             };
-            (0..PERIODS).flat_map(|_| &period).map(read).collect::<Vec<f64>>()
+            (0..periods).flat_map(|_| &period).map(read).collect::<Vec<f64>>()
         };
         let period_s = TAU / OMEGA_RAD_S;
         let record = Record {
-            time_s: (0..SAMPLES * PERIODS).map(|n| n as f64 * period_s / SAMPLES as f64).collect(),
+            time_s: (0..SAMPLES * periods).map(|n| n as f64 * period_s / SAMPLES as f64).collect(),
             input: sampled(&lines, input, 0.0),
             output: sampled(&moved, response, 3e-3),
             run: None,
@@ -105,6 +114,15 @@ mod tests {
             assert_eq!(kinds(&found), [kind], "{:?}", found.verdict);
             assert_eq!(found.verdict, Verdict::Adequate, "{kind:?} {:?}", found.base.fit);
         }
+    }
+
+    // What the other samples of one period say of those that were cut off is wrong by several times the
+    // noise.
+    #[test]
+    fn samples_of_an_input_that_were_cut_off_are_estimated_with_the_model() {
+        let found = answer_of_periods(1, &[], [0.6, 2.0]);
+        assert_eq!(kinds(&found), [FaultKind::ClippedInput], "{:?}", found.verdict);
+        assert_eq!(found.verdict, Verdict::Adequate, "{:?}", found.base.fit);
     }
 
     #[test]

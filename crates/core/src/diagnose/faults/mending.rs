@@ -161,7 +161,8 @@ fn mended_experiment(
     if let Some((course, samples)) = course(faults).zip(mended.open_samples) {
         mended.open_samples = None;
         let repeats = mended.repeats.iter_mut().map(|repeat| &mut repeat.input);
-        for lines in repeats.chain([&mut mended.input]) {
+        let unknown = mended.unknown_input.iter_mut();
+        for lines in repeats.chain([&mut mended.input]).chain(unknown) {
             lines.iter_mut().enumerate().for_each(|(k, line)| *line *= course.factor(k, samples));
         }
     }

@@ -101,7 +101,12 @@ fn clipped<'a>(suspects: &Suspects<'a>, faults: &[MeasurementFault]) -> Option<F
         let ratio = after.filter(|_| before != Complex::ZERO).map(|after| after / before);
         ratio.unwrap_or(Complex::ONE)
     };
-    suspects.session.with_range(|index| clipping(index)?.range)?.with_input(filled)
+    let unknown = |index: usize| {
+        let filled = clipping(index).and_then(|clipping| clipping.filled.as_ref());
+        filled.map_or(&[][..], |filled| &filled.unknown_input)
+    };
+    let ranged = suspects.session.with_range(|index| clipping(index)?.range)?;
+    ranged.with_input(filled)?.with_unknown_input(unknown)
 }
 
 /// Models without a fault, and the best with one so far.

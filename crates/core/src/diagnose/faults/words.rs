@@ -127,7 +127,7 @@ fn words(fault: &MeasurementFault, measurement: &Measurement) -> (String, &'stat
                 "the channel of the input clips: {} of its samples are cut off",
                 per_cent(value)
             ),
-            "; corrected: filled in by what its other samples say of them",
+            "; corrected: they are estimated together with the model",
         ),
         FaultKind::ClippedResponse => (
             format!(

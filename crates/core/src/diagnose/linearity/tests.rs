@@ -37,6 +37,7 @@ fn experiment(plant: Plant, omega_rad_s: f64, input: Vec<Complex>, highest: usiz
         bad_samples: None,
         clipping: None,
         range: None,
+        unknown_input: Vec::new(),
         response: velocity.unwrap().into_iter().enumerate().map(harmonic).collect(),
         run: None,
         repeats: Vec::new(),

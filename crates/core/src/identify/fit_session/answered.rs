@@ -136,6 +136,7 @@ mod tests {
                 bad_samples: None,
                 clipping: None,
                 range: None,
+                unknown_input: Vec::new(),
                 response: velocity.ok()?.into_iter().enumerate().map(harmonic).collect(),
                 run: None,
                 repeats: Vec::new(),

@@ -1,7 +1,8 @@
 //! Sessions with some data changed, to try what a fault of the measurement would explain.
 
-use super::FitSession;
+use super::{FitAccuracy, FitSession};
 use crate::identify::problem::Problem;
+use crate::identify::unknown_input::{self, UnknownInput};
 use crate::measurement::{ChannelRange, Complex};
 use crate::simulate::Excitation;
 
@@ -30,6 +31,7 @@ impl<'a> FitSession<'a> {
                 *sigma *= deviation;
             }
         }
+        fitted.weights = fitted.weights.eliminating(&problem);
         FitSession { fitted, ..self.of_problem(problem) }
     }
 
@@ -46,6 +48,33 @@ impl<'a> FitSession<'a> {
                 Excitation::new(before.omega_rad_s(), input).at_run_share(before.run_share());
         }
         self.with_responses_of(problem)
+    }
+
+    /// The same session with inputs that are not known along these directions, lines in units of the
+    /// input, given the experiment. They are estimated beside the base model, which is fitted again for
+    /// that, and models of this session are models of the result. `None` if the base model has no
+    /// response, or once the observer cancels.
+    pub fn with_unknown_input<'d>(
+        &self,
+        directions: impl Fn(usize) -> &'d [Vec<Complex>],
+    ) -> Option<FitSession<'a>> {
+        let mut problem = self.problem.clone();
+        for (index, experiment) in problem.experiments.iter_mut().enumerate() {
+            experiment.unknown_input = UnknownInput::along(directions(index), problem.scales.input);
+        }
+        let mut changed = self.with_responses_of(problem)?;
+        if changed.problem.lacks_inputs() {
+            for _ in 0..unknown_input::ROUNDS {
+                let base = changed.refine(&changed.base, FitAccuracy::Settle);
+                let plant = base.coordinates.plant(&base.point);
+                let mut problem = changed.problem.clone();
+                problem.estimate_inputs((&plant, &[]), &changed.fitted.weights).ok()?;
+                changed.base = base;
+                changed.fitted.weights = changed.fitted.weights.clone().eliminating(&problem);
+                changed = changed.with_responses_of(problem)?;
+            }
+        }
+        Some(changed)
     }
 
     /// The same session with the channel of the response cutting off at a range, response units, given

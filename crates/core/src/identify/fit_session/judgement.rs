@@ -3,6 +3,7 @@
 use super::{FitSession, Model};
 use crate::answers::Stage;
 use crate::identify::corrected::{Corrected, Correction};
+use crate::identify::eliminated;
 use crate::identify::model_fit::{self, ModelFit};
 use crate::identify::objective::Evaluation;
 use crate::identify::parameter_names;
@@ -12,7 +13,6 @@ use crate::identify::refine;
 use crate::identify::request::{IdentifyError, no_response};
 use crate::identify::solve::answer;
 use crate::identify::summary::Intervals;
-use crate::identify::unknown_jump;
 use crate::measurement::Complex;
 
 impl FitSession<'_> {
@@ -67,7 +67,7 @@ impl FitSession<'_> {
             components: model_fit::components(&self.problem),
             residuals: -here.residuals / sigma,
             jacobian: here.jacobian.select_columns(&free) / sigma,
-            eliminated: unknown_jump::columns(&self.problem, weights),
+            eliminated: eliminated::columns(&weights.eliminated, self.problem.data()),
             noise: self.noise(),
             contradicts_noise: self.contradicted_noise(model, dof),
         })

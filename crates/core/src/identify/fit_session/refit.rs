@@ -68,7 +68,8 @@ impl<'a> FitSession<'a> {
     /// Nothing is fitted again.
     pub(super) fn only(&self, keep: impl Fn(usize, usize) -> bool) -> Self {
         let subset = self.problem.subset(|e, target| keep(e, target.order));
-        let weights = subset.weights(&self.fitted.weights);
+        let problem = self.problem.only(&subset);
+        let weights = subset.weights(&self.fitted.weights, &problem);
         let coarse = self.coarse.as_ref().map(|coarse| Coarse {
             problem: coarse.problem.only(&subset),
             stand_in: subset.predictions(&coarse.stand_in),
@@ -77,7 +78,7 @@ impl<'a> FitSession<'a> {
             measurement: self.measurement,
             request: self.request,
             observer: self.observer,
-            problem: self.problem.only(&subset),
+            problem,
             fitted: Fitted { weights, ..self.fitted.clone() },
             order_choice: self.order_choice.clone(),
             orders: Vec::new(),

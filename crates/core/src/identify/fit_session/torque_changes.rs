@@ -8,9 +8,9 @@ use crate::plant::Plant;
 use crate::simulate::{Torque, TorqueResponses};
 
 use super::{FitSession, Model};
+use crate::identify::eliminated;
 use crate::identify::objective::Misfit;
 use crate::identify::problem::Prepared;
-use crate::identify::unknown_jump;
 
 /// Limits the number of samples per period: a periodic torque whose angle changes by more than this
 /// over the travel, rad, is sampled no more finely (tuned).
@@ -96,8 +96,8 @@ impl TorqueChanges<'_> {
             }
             row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
         }
-        let jumps = unknown_jump::directions(problem, weights);
-        changes.iter_mut().for_each(|c| unknown_jump::eliminate(&jumps, c.as_mut_slice()));
+        let directions = &weights.eliminated;
+        changes.iter_mut().for_each(|c| eliminated::eliminate(directions, c.as_mut_slice()));
         Some(changes)
     }
 }

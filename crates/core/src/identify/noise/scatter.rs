@@ -65,6 +65,7 @@ pub(super) fn from_scatter(
         law: None,
         scatter_law,
         scatter: rows,
+        eliminated: Vec::new(),
     }
 }
 

@@ -1,7 +1,9 @@
 //! The standard deviations that weight the data, and where they come from.
 
 use crate::answers::NoiseSource;
+use crate::identify::eliminated::{self, Direction};
 use crate::identify::estimated_noise::EstimatedLaw;
+use crate::identify::problem::Problem;
 use crate::identify::variance_law::VarianceLaw;
 use crate::identify::variance_shrinkage::Cell;
 
@@ -27,9 +29,16 @@ pub(in super::super) struct Weights {
     pub scatter_law: Option<VarianceLaw>,
     /// The variances they were estimated from; empty if they were not estimated.
     pub scatter: Vec<Vec<Cell>>,
+    /// What is eliminated from residuals with these standard deviations.
+    pub eliminated: Vec<Direction>,
 }
 
 impl Weights {
+    /// The same weights of a problem of which other numbers are not known, or with other deviations.
+    pub fn eliminating(self, problem: &Problem) -> Self {
+        Self { eliminated: eliminated::directions(problem, &self.sigma), ..self }
+    }
+
     /// Whether these weigh the data alike: the ratios of their standard deviations differ by no
     /// more than the law can be estimated to.
     pub fn resemble(&self, others: &Self) -> bool {

@@ -1,6 +1,7 @@
 //! An experiment prepared for simulation, with its data in scale.
 
 use super::scales::Scales;
+use crate::identify::unknown_input::UnknownInput;
 use crate::measurement::{ChannelRange, Complex, Experiment, Loop, Metadata, ResponseKind};
 use crate::simulate::Excitation;
 
@@ -33,6 +34,8 @@ pub(in super::super) struct Prepared {
     pub range: Option<ChannelRange>,
     /// Whether it is not known exactly how far a position ends its period from where it began.
     pub unknown_jump: bool,
+    /// What is not known of the input.
+    pub unknown_input: UnknownInput,
 }
 
 /// Factor from velocity to response at harmonic k of the fundamental frequency `omega`.
@@ -77,7 +80,8 @@ pub(super) fn prepare(
     let highest = targets.last().map_or(0, |target| target.order);
     let excitation = Excitation::new(omega, input).at_run_share(run_share);
     let range = experiment.range.map(|range| range.scaled(1.0 / response_scale));
-    Prepared { excitation, highest, targets, range, unknown_jump: false }
+    let unknown_input = UnknownInput::along(&experiment.unknown_input, scales.input);
+    Prepared { excitation, highest, targets, range, unknown_jump: false, unknown_input }
 }
 
 /// Whether a single period of a position was recorded of an axis that no loop holds.

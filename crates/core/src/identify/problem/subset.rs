@@ -30,22 +30,26 @@ impl Problem {
         for (e, experiment) in rest.experiments.iter_mut().enumerate() {
             experiment.targets = subset.of(e, &experiment.targets);
             experiment.highest = experiment.targets.last().map_or(0, |target| target.order);
+            let columns = experiment.unknown_input.columns.iter_mut();
+            columns.for_each(|column| *column = subset.of(e, column));
         }
         rest
     }
 }
 
 impl Subset {
-    /// The standard deviations of these data alone.
-    pub fn weights(&self, weights: &Weights) -> Weights {
+    /// The weights of these data alone, of which `rest` is the problem.
+    pub fn weights(&self, weights: &Weights, rest: &Problem) -> Weights {
         let Weights { sigma, scatter, law, .. } = weights;
         let kept: Vec<bool> = self.kept.iter().flatten().copied().collect();
         Weights {
             law: law.as_ref().map(|law| law.only(&kept)),
             sigma: sigma.iter().enumerate().map(|(e, all)| self.of(e, all)).collect(),
             scatter: scatter.iter().enumerate().map(|(e, all)| self.of(e, all)).collect(),
+            eliminated: Vec::new(),
             ..*weights
         }
+        .eliminating(rest)
     }
 
     /// Predictions, by experiment and target, of these data alone.
@@ -78,6 +82,7 @@ mod tests {
             law: None,
             scatter_law: None,
             scatter: Vec::new(),
+            eliminated: Vec::new(),
         };
         let subset = problem.subset(|_, target| target.order % 3 == 1);
         let rest = problem.only(&subset);
@@ -85,7 +90,7 @@ mod tests {
         assert_eq!(orders, (1..=28).step_by(3).collect::<Vec<_>>());
         assert_eq!((rest.experiments[0].highest, rest.data()), (28, 20));
         let sigma: Vec<f64> = orders.iter().map(|order| 1.0 + *order as f64).collect();
-        assert_eq!(subset.weights(&weights).sigma, [sigma]);
+        assert_eq!(subset.weights(&weights, &rest).sigma, [sigma]);
         // The scales are those of all data, so that parameters mean the same.
         assert_eq!(rest.scales, problem.scales);
     }

@@ -104,6 +104,7 @@ pub(super) fn experiment(
             bad_samples: None,
             clipping: None,
             range: None,
+            unknown_input: Vec::new(),
             response,
             run: run(&repeats, &mut remarks),
             repeats: repeats_of_mean,

@@ -4,7 +4,7 @@
 //!   oscillates (`measurement::travel`). How far, a single period does not tell exactly, and a jump J at
 //!   its end adds jJ/(πk) to every harmonic k: an error of J that is as large as the noise of a sample is
 //!   many times the noise of a low harmonic.
-//! - Samples of the input that were cut off ([`super::unknown_input`]).
+//! - Samples of the input that were cut off ([`super::estimated_input`]).
 //!
 //! Both are eliminated by a projection: residuals and derivatives lose their part along these directions
 //! (G. H. Golub, V. Pereyra 1973, doi:10.1137/0710036). Each takes a degree of freedom.

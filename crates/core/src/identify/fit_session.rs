@@ -24,6 +24,7 @@ use crate::measurement::{Complex, Measurement};
 use crate::observer::Observer;
 use crate::simulate::Counts;
 
+use super::estimated_input;
 use super::noise::Weights;
 use super::noise_law::NoiseLaw;
 use super::objective::Misfit;
@@ -32,7 +33,6 @@ use super::problem::Problem;
 use super::request::{IdentifyError, IdentifyRequest, no_response};
 use super::search_settings::SearchSettings;
 use super::solve::{Solved, solve};
-use super::unknown_input;
 pub use changed::DatumChange;
 use coarse::Coarse;
 pub use left_out::LeavingOut;
@@ -96,7 +96,7 @@ impl<'a> FitSession<'a> {
         let mut problem = problem;
         let mut solved = solve(measurement, &problem, request, (weights, known), observer)?;
         if problem.lacks_inputs() {
-            for _ in 0..unknown_input::ROUNDS {
+            for _ in 0..estimated_input::ROUNDS {
                 let Fitted { coordinates, point, weights: own, .. } = &solved.chosen;
                 let base = (&coordinates.plant(point), &[][..]);
                 problem.estimate_inputs(base, own).map_err(|_| no_response())?;

@@ -14,6 +14,7 @@ mod closed_form;
 mod corrected;
 mod effect_coordinates;
 mod eliminated;
+mod estimated_input;
 mod estimated_noise;
 mod estimates;
 mod features;
@@ -54,7 +55,6 @@ mod uncertainty;
 mod unit_compatibility;
 mod unit_cube_objective;
 mod units;
-mod unknown_input;
 mod variance_law;
 mod variance_shrinkage;
 

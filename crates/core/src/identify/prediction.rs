@@ -12,11 +12,11 @@ use crate::plant::{Actuator, Friction, Plant};
 use crate::simulate::{Counts, NoResponse};
 
 use super::eliminated;
+use super::estimated_input;
 use super::noise;
 use super::noise::{Beside, Weights};
 use super::problem::{Prepared, Problem, Scales, Target};
 use super::request::{IdentifyError, no_response};
-use super::unknown_input;
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -37,7 +37,7 @@ pub fn compare(
     let plant = whole.in_scale(&reported_plant(answer)?);
     let effects = reported_effects(answer, whole.scales)?;
     if whole.lacks_inputs() {
-        for _ in 0..unknown_input::ROUNDS {
+        for _ in 0..estimated_input::ROUNDS {
             let weights = weights_of(measurement, &whole, answer)?;
             whole.estimate_inputs((&plant, &effects), &weights).map_err(|_| no_response())?;
         }

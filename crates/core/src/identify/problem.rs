@@ -11,6 +11,7 @@ mod prepared;
 mod read_out;
 mod scales;
 mod subset;
+mod unknown_input;
 
 use crate::effects::Scope;
 use crate::measurement::{Measurement, ResponseKind};
@@ -24,6 +25,7 @@ pub(super) use prepared::{Prepared, Target, per_velocity};
 use prepared::{has_unknown_jump, prepare};
 pub(super) use scales::Scales;
 use scales::rescaled;
+pub(super) use unknown_input::UnknownInput;
 
 /// A measurement ready for fitting.
 #[derive(Debug, Clone)]

@@ -86,7 +86,9 @@ impl ReportAssembly<'_> {
         if let Some(failed) = gain.take_if(|gain| self.fails_held_out(gain)) {
             limitations.push(withdrawn_sentence(&self.chosen, &failed));
             withdrawn = std::mem::take(&mut self.chosen);
-            (self.fits, self.explained) = (false, false);
+            // Then the base model stands, which may leave only noise.
+            let is_noise = self.discrepancy.noise_like;
+            (self.fits, self.explained) = (is_noise, is_noise);
         }
         if self.fits && !self.explained {
             limitations.push(format!(
@@ -249,7 +251,34 @@ fn error_after(gain: &Gain) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::evidence::NoiseScale;
+    use super::super::models::ScoredModel;
     use super::*;
+    use crate::diagnose::tests::{exact, key, noisy, request};
+    use crate::effects::find;
+    use crate::machines::draw::NoiseStatement;
+    use crate::observer::Silent;
+
+    #[test]
+    fn where_the_causes_are_withdrawn_the_verdict_is_that_of_the_base_model() {
+        let (measurement, request) = (noisy(&exact(), NoiseStatement::Std, 1), request());
+        let session = &FitSession::new(&measurement, &request, &Silent).unwrap();
+        let fit = session.judge(session.base(), Intervals::Curvature).unwrap();
+        let discrepancy = discrepancy::of(&fit, 1, &Silent);
+        assert!(discrepancy.noise_like, "{:?}", discrepancy.tests);
+        let noise_scale = NoiseScale::of(session);
+        let mut models = Models::new(session.base().clone(), noise_scale);
+        let spring = session.extend(session.base(), find("spring").unwrap());
+        let spring = session.refine(&spring, FitAccuracy::Settle);
+        models.keep(ScoredModel::new(session, spring, &noise_scale));
+        let (chosen, fits, explained) = (key(&["spring"]), false, false);
+        let assembly =
+            ReportAssembly { session, fit, discrepancy, models, chosen, fits, explained };
+        let answer = assembly.diagnosis(&measurement, Part::of(&Silent)).unwrap();
+        assert_eq!((answer.verdict, answer.causes.len()), (Verdict::Adequate, 0));
+        let said = answer.limitations.iter().any(|said| said.starts_with("spring would improve"));
+        assert!(said, "{:?}", answer.limitations);
+    }
 
     #[test]
     fn a_dropped_effect_is_reported_with_the_effects_it_was_beside() {

@@ -1,8 +1,8 @@
 //! Sessions with some data changed, to try what a fault of the measurement would explain.
 
 use super::{FitAccuracy, FitSession};
-use crate::identify::problem::Problem;
-use crate::identify::unknown_input::{self, UnknownInput};
+use crate::identify::estimated_input;
+use crate::identify::problem::{Problem, UnknownInput};
 use crate::measurement::{ChannelRange, Complex};
 use crate::simulate::Excitation;
 
@@ -64,7 +64,7 @@ impl<'a> FitSession<'a> {
         }
         let mut changed = self.with_responses_of(problem)?;
         if changed.problem.lacks_inputs() {
-            for _ in 0..unknown_input::ROUNDS {
+            for _ in 0..estimated_input::ROUNDS {
                 let base = changed.refine(&changed.base, FitAccuracy::Settle);
                 let plant = base.coordinates.plant(&base.point);
                 let mut problem = changed.problem.clone();

@@ -1,7 +1,7 @@
 //! An experiment prepared for simulation, with its data in scale.
 
 use super::scales::Scales;
-use crate::identify::unknown_input::UnknownInput;
+use super::unknown_input::UnknownInput;
 use crate::measurement::{ChannelRange, Complex, Experiment, Loop, Metadata, ResponseKind};
 use crate::simulate::Excitation;
 

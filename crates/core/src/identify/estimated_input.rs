@@ -1,4 +1,4 @@
-//! Inputs that are not known along some directions, such as samples that were cut off.
+//! Estimates inputs that are not known along some directions, such as samples that were cut off.
 //!
 //! The response of the base model to each direction, with the shifts of its switching times, is
 //! eliminated from the residuals of every model ([`super::eliminated`]). It is exact to first order, so
@@ -19,23 +19,6 @@ use super::problem::{Prepared, Problem};
 
 /// Number of times that the input is moved and the base model is fitted again.
 pub(super) const ROUNDS: usize = 3;
-
-/// What is not known of the input of an experiment.
-#[derive(Debug, Clone, Default)]
-pub(super) struct UnknownInput {
-    /// Lines of the input from k = 0, in scale, one standard deviation along each direction.
-    directions: Vec<Vec<Complex>>,
-    /// What each direction adds to every target, in scale; none before the first estimate.
-    pub columns: Vec<Vec<Complex>>,
-}
-
-impl UnknownInput {
-    /// Not known along these directions, in units of `input_scale`.
-    pub fn along(directions: &[Vec<Complex>], input_scale: f64) -> Self {
-        let in_scale = |lines: &Vec<Complex>| lines.iter().map(|line| line / input_scale).collect();
-        Self { directions: directions.iter().map(in_scale).collect(), columns: Vec::new() }
-    }
-}
 
 impl Problem {
     /// Whether the input of any experiment was not estimated yet.

@@ -39,9 +39,7 @@ pub(super) fn fitted(
     tried.into_par_iter().filter_map(fit).collect()
 }
 
-/// The model fitted without the rows that it predicts worst. A few steps of each fit are enough for
-/// those of the next to be better (Rousseeuw and Van Driessen, theorem 1, holds for any fit that is); the
-/// last is followed to its end.
+/// The model fitted without the rows that it predicts worst.
 fn concentrated(session: &FitSession<'_>, model: &Model) -> Option<Model> {
     let mut model = model.clone();
     let mut left_out = BTreeSet::new();
@@ -51,9 +49,9 @@ fn concentrated(session: &FitSession<'_>, model: &Model) -> Option<Model> {
             break;
         }
         left_out = worst;
-        model = without(session, &left_out).refine(&model, FitAccuracy::Glance);
+        model = without(session, &left_out).refine(&model, FitAccuracy::Settle);
     }
-    Some(without(session, &left_out).refine(&model, FitAccuracy::Settle))
+    Some(model)
 }
 
 /// The tenth of the rows that a model predicts worst.

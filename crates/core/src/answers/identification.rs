@@ -60,7 +60,8 @@ pub struct TransferFunction {
 pub struct Fit {
     /// Sum of squared weighted residuals; null if the noise is unknown.
     pub chi2: Option<f64>,
-    /// Degrees of freedom: number of real data minus number of fitted parameters, at least 0.
+    /// Degrees of freedom: number of real data minus number of fitted parameters and of other numbers
+    /// that are estimated with them, such as samples of the input that were cut off; at least 0.
     pub dof: i64,
     /// χ² per degree of freedom; null if the noise is unknown.
     pub chi2_per_dof: Option<f64>,

@@ -21,10 +21,12 @@ use super::problem::{Prepared, Problem};
 pub(super) const ROUNDS: usize = 3;
 
 impl Problem {
-    /// Whether the input of any experiment was not estimated yet.
+    /// Whether the input of any experiment with data was not estimated yet.
     pub fn lacks_inputs(&self) -> bool {
-        let mut unknown = self.experiments.iter().map(|experiment| &experiment.unknown_input);
-        unknown.any(|own| !own.directions.is_empty() && own.columns.is_empty())
+        let lacks = |experiment: &Prepared| {
+            experiment.is_to_be_estimated() && experiment.unknown_input.columns.is_empty()
+        };
+        self.experiments.iter().any(lacks)
     }
 
     /// Moves every input that is not known to where the model fits best, and finds what its directions
@@ -37,7 +39,7 @@ impl Problem {
         (plant, effects): (&Plant, &[ActiveEffect]),
         weights: &Weights,
     ) -> Result<(), NoResponse> {
-        let is_unknown = |e: usize| !self.experiments[e].unknown_input.directions.is_empty();
+        let is_unknown = |e: usize| self.experiments[e].is_to_be_estimated();
         for (e, predicted) in prediction::simulated(self, (plant, effects), is_unknown) {
             let experiment = &mut self.experiments[e];
             experiment.find_columns(plant)?;
@@ -50,6 +52,10 @@ impl Problem {
 }
 
 impl Prepared {
+    fn is_to_be_estimated(&self) -> bool {
+        !self.targets.is_empty() && !self.unknown_input.directions.is_empty()
+    }
+
     fn find_columns(&mut self, plant: &Plant) -> Result<(), NoResponse> {
         let Self { excitation, highest, targets, unknown_input, .. } = self;
         let known = excitation.input().len();
@@ -66,7 +72,7 @@ impl Prepared {
     }
 
     /// How far the input is moved along each direction, in standard deviations: with the residuals r, their
-    /// variance s² and the columns A, Aᵀ·(A·Aᵀ + s²·I)⁻¹·r.
+    /// mean square s² and the columns A, Aᵀ·(A·Aᵀ + s²·I)⁻¹·r.
     fn steps(&self, sigma: &[f64], predicted: &[Complex]) -> DVector<f64> {
         let lacking = self.targets.iter().zip(predicted).map(|(t, predicted)| t.value - predicted);
         let lacking = in_rows(self, sigma, &lacking.collect::<Vec<_>>());
@@ -129,7 +135,7 @@ mod tests {
         (joined(experiments), truth)
     }
 
-    // Two simulators agree to 1e-5 of the response, and the third step is taken where the second ended.
+    // The two simulators agree to 1e-5 of the response, and the lines are 0.6 large.
     #[test]
     fn an_input_that_is_not_known_is_moved_to_what_it_was() {
         let (measurement, truth) = misread();
@@ -146,7 +152,7 @@ mod tests {
         }
     }
 
-    // Without friction of another kind, a fit of exact data leaves the difference of two simulators.
+    // The data are exact: what is left is the difference between the two simulators.
     #[test]
     fn what_is_not_known_is_estimated_with_the_base_model_and_takes_degrees_of_freedom() {
         let (measurement, _) = misread();

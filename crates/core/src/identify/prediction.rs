@@ -16,7 +16,7 @@ use super::estimated_input;
 use super::noise;
 use super::noise::{Beside, Weights};
 use super::problem::{Prepared, Problem, Scales, Target};
-use super::request::{IdentifyError, no_response};
+use super::request::IdentifyError;
 
 /// Compares a measurement with the model of a stored answer.
 ///
@@ -33,16 +33,17 @@ pub fn compare(
 ) -> Result<Comparison, IdentifyError> {
     let measurement = &*measurement.repeated();
     let left_out: Vec<usize> = answer.fit.unanswered.iter().map(|lost| lost.experiment).collect();
-    let mut whole = Problem::new(measurement)?;
-    let plant = whole.in_scale(&reported_plant(answer)?);
-    let effects = reported_effects(answer, whole.scales)?;
-    if whole.lacks_inputs() {
+    let whole = Problem::new(measurement)?;
+    let mut problem = whole.only(&whole.subset(|e, _| !left_out.contains(&e)));
+    let plant = problem.in_scale(&reported_plant(answer)?);
+    let effects = reported_effects(answer, problem.scales)?;
+    if problem.lacks_inputs() {
         for _ in 0..estimated_input::ROUNDS {
-            let weights = weights_of(measurement, &whole, answer)?;
-            whole.estimate_inputs((&plant, &effects), &weights).map_err(|_| no_response())?;
+            let weights = weights_of(measurement, &problem, answer)?;
+            // An experiment without a response is listed below.
+            let _ = problem.estimate_inputs((&plant, &effects), &weights);
         }
     }
-    let problem = whole.only(&whole.subset(|e, _| !left_out.contains(&e)));
     let weights = weights_of(measurement, &problem, answer)?;
     let simulated = simulated(&problem, (&plant, &effects), |_| true);
     Ok(beside(measurement, (&problem, &[]), simulated, &weights, answer.fit.dof))

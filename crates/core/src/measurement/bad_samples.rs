@@ -123,7 +123,7 @@ fn mend(values: &mut [f64], channel: Channel, periods: Periods, moves_on: bool) 
         })
         .collect();
     let mut others = rough.longer;
-    // The top of a wave that was cut off once has two edges, too.
+    // Where the channel cut off a few samples, they have two edges as those of a disturbance do.
     let cut = CutOff::of(&values[begin..]);
     found.retain(|one| !cut.is_at_limit(values, one.first..one.first + one.count));
     if periodic {

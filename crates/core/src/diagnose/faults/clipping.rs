@@ -1,7 +1,7 @@
 //! A record of which a channel clips.
 //!
-//! What was cut off of an input is filled in as the record is read. What is cut off of a response is
-//! cut off of the models' responses, too. Both are rivals of the effects: where the machine stood still,
+//! What was cut off of an input is filled in as the record is read, and then estimated with every model.
+//! What is cut off of a response is cut off of the models' responses, too. Both are rivals of the effects: where the machine stood still,
 //! or the input was held, a model explains the record as it is better.
 
 use crate::answers::{FaultKind, MeasurementFault};
@@ -116,11 +116,11 @@ mod tests {
         }
     }
 
-    // What the other samples of one period say of those that were cut off is wrong by several times the
-    // noise.
+    // Read up to a quarter of its largest value, the input is filled in so wrongly that the base model
+    // leaves 4 %.
     #[test]
     fn samples_of_an_input_that_were_cut_off_are_estimated_with_the_model() {
-        let found = answer_of_periods(1, &[], [0.6, 2.0]);
+        let found = answer_of_periods(1, &[], [0.25, 2.0]);
         assert_eq!(kinds(&found), [FaultKind::ClippedInput], "{:?}", found.verdict);
         assert_eq!(found.verdict, Verdict::Adequate, "{:?}", found.base.fit);
     }

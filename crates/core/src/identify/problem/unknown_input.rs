@@ -3,7 +3,7 @@
 use crate::measurement::Complex;
 
 /// What is not known of the input of an experiment.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(in super::super) struct UnknownInput {
     /// Lines of the input from k = 0, in scale, one standard deviation along each direction.
     pub directions: Vec<Vec<Complex>>,

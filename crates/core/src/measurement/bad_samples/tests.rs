@@ -201,8 +201,9 @@ fn a_spike_in_a_fast_input_is_found_by_its_other_periods() {
 #[test]
 fn the_top_of_a_wave_that_was_cut_off_is_no_bad_sample() {
     let angle = |n: usize| TAU * n as f64 / LENGTH as f64;
-    let wave = |n: usize| (1.0 + 0.05 * angle(n).cos()) * (10.0 * angle(n)).sin();
-    let read = |(n, noise): (usize, f64)| (wave(n) + noise).min(1.0);
+    // Of eight waves two are cut off, for six samples and for two.
+    let wave = |n: usize| (1.0 + 0.8 * angle(n).cos()) * (8.0 * angle(n)).sin();
+    let read = |(n, noise): (usize, f64)| (wave(n) + noise).min(1.647);
     let input: Vec<f64> = (0..LENGTH).zip(noise(LENGTH, 5)).map(read).collect();
     let mut record = Record { input, ..record(1, 1) };
     assert_eq!(found(&record), []);

@@ -19,8 +19,8 @@ use super::problem::{Prepared, Problem, Target};
 /// it: a tenth of the noise of a record of 60 dB.
 const LEFT_SHARE: f64 = 1e-4;
 
-/// A direction in the data of one experiment, as a unit vector in units of the noise. Those of an
-/// experiment are orthogonal.
+/// A direction in the data of one experiment, as a unit vector in units of the noise, along which less
+/// counts. Those of an experiment are orthogonal.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Direction {
     experiment: usize,
@@ -28,6 +28,27 @@ pub(super) struct Direction {
     first: usize,
     /// One component for each of its rows.
     rows: Vec<f64>,
+    /// What is kept of a residual along it: nothing of what is not known.
+    kept: f64,
+}
+
+impl Direction {
+    /// A direction in the first rows of an experiment, the first of which is given.
+    pub(super) fn new(experiment: usize, first: usize, rows: Vec<f64>, kept: f64) -> Self {
+        Self { experiment, first, rows, kept }
+    }
+
+    /// One component for each of the experiment's first rows.
+    #[cfg(test)]
+    pub(super) fn rows(&self) -> &[f64] {
+        &self.rows
+    }
+
+    /// What is kept of a residual along it.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> f64 {
+        self.kept
+    }
 }
 
 /// The directions of all that is not known, given the standard deviation of every target.
@@ -37,7 +58,7 @@ pub(super) fn directions(problem: &Problem, sigma: &[Vec<f64>]) -> Vec<Direction
     for (e, (experiment, sigma)) in problem.experiments.iter().zip(sigma).enumerate() {
         let count: usize = experiment.targets.iter().map(|t| if t.real { 1 } else { 2 }).sum();
         let own = orthogonal(experiment, sigma);
-        directions.extend(own.into_iter().map(|rows| Direction { experiment: e, first, rows }));
+        directions.extend(own.into_iter().map(|rows| Direction::new(e, first, rows, 0.0)));
         first += count;
     }
     directions
@@ -105,14 +126,19 @@ fn unit(mut rows: Vec<f64>) -> Option<Vec<f64>> {
 }
 
 fn take_from(rows: &mut [f64], direction: &[f64]) {
-    let along: f64 = rows.iter().zip(direction).map(|(value, own)| value * own).sum();
-    rows.iter_mut().zip(direction).for_each(|(value, own)| *value -= along * own);
+    take_share_from(rows, direction, 1.0);
 }
 
-/// Takes from a vector over all rows what lies along these directions.
-pub(super) fn eliminate(directions: &[Direction], vector: &mut [f64]) {
-    for Direction { first, rows, .. } in directions {
-        take_from(&mut vector[*first..first + rows.len()], rows);
+fn take_share_from(rows: &mut [f64], direction: &[f64], share: f64) {
+    let along: f64 = rows.iter().zip(direction).map(|(value, own)| value * own).sum();
+    let taken = share * along;
+    rows.iter_mut().zip(direction).for_each(|(value, own)| *value -= taken * own);
+}
+
+/// Takes from a vector over all rows what does not count along these directions.
+pub(super) fn reduce(directions: &[Direction], vector: &mut [f64]) {
+    for Direction { first, rows, kept, .. } in directions {
+        take_share_from(&mut vector[*first..first + rows.len()], rows, 1.0 - kept);
     }
 }
 
@@ -197,7 +223,7 @@ mod tests {
         let rows = problems.each_ref().map(rows);
         let added: Vec<f64> = rows[1].iter().zip(&rows[0]).map(|(a, b)| a - b).collect();
         let mut left = added.clone();
-        eliminate(&directions, &mut left);
+        reduce(&directions, &mut left);
         let [before, after] = problems.each_ref().map(|problem| problem.response_scale);
         let still: Vec<Complex> = problems[0].experiments[0]
             .targets

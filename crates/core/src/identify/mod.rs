@@ -12,6 +12,7 @@
 pub mod bee_colony;
 mod closed_form;
 mod corrected;
+mod correlated;
 mod effect_coordinates;
 mod eliminated;
 mod estimated_input;

@@ -14,6 +14,7 @@
 //! response to the deviation of the input, including shifted switching times: σ² = σ_Y² +
 //! |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
 
+mod measured_input;
 mod scatter;
 mod weights;
 
@@ -67,6 +68,8 @@ fn deviations(
         scatter_law: None,
         scatter: Vec::new(),
         eliminated: Vec::new(),
+        correlations: Vec::new(),
+        larger: Vec::new(),
     };
     if options.weights == Weighting::Response {
         return uniform(1.0, NoiseSource::Estimated);

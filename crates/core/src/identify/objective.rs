@@ -9,7 +9,6 @@ use crate::measurement::Complex;
 use crate::observer::Observer;
 use crate::simulate::{self, Counts, LastMotion, NoResponse, Response};
 
-use super::eliminated;
 use super::levenberg_marquardt::Linearisation;
 use super::noise::Weights;
 use super::parameters::{CONSTANT, Coordinates};
@@ -156,7 +155,7 @@ impl<'a> Misfit<'a> {
                 }
             }
         }
-        eliminated::eliminate(&self.weights.eliminated, &mut residuals);
+        self.weights.reduce(&mut residuals);
         Ok(DVector::from_vec(residuals))
     }
 
@@ -228,11 +227,10 @@ impl<'a> Misfit<'a> {
                 row += if target.real { 1 } else { 2 };
             }
         }
-        let directions = &self.weights.eliminated;
-        eliminated::eliminate(directions, residuals.as_mut_slice());
+        self.weights.reduce(residuals.as_mut_slice());
         // Columns follow one another.
         for column in jacobian.as_mut_slice().chunks_exact_mut(residuals.len().max(1)) {
-            eliminated::eliminate(directions, column);
+            self.weights.reduce(column);
         }
         Linearisation { residuals, jacobian }
     }

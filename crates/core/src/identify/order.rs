@@ -156,6 +156,8 @@ mod tests {
                     scatter_law: None,
                     scatter: Vec::new(),
                     eliminated: Vec::new(),
+                    correlations: Vec::new(),
+                    larger: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;
                 Fitted { order, coordinates, point, weights, cost, stages: Vec::new() }

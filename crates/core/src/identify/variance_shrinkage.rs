@@ -139,6 +139,7 @@ mod tests {
             magnitude: (experiment % 3) as f64,
             size: size(experiment, order),
             from_record,
+            by_input: 0.0,
             variance: sigma(experiment, order).powi(2) * chi2.sample(&mut rng) / dof,
             dof,
         };
@@ -204,6 +205,19 @@ mod tests {
             let ratio = variance / sigma(0, k).powi(2);
             // 60 degrees of freedom give 18 %, plus the slope over the neighbourhood.
             assert!((0.4..1.9).contains(&ratio), "{k}: {ratio}");
+        }
+    }
+
+    // Some 66 degrees of freedom tell the rest to 17 %: three of that.
+    #[test]
+    fn what_noise_of_the_input_makes_of_a_record_is_not_smoothed_along_frequency() {
+        let by_input = |k: usize| (1.0 + k as f64).powi(-4);
+        let variance = |k: usize| by_input(k) + 1e-4;
+        let mut rows = cells(|_, k| variance(k).sqrt(), 4.0, true);
+        rows[0].iter_mut().enumerate().for_each(|(k, cell)| cell.by_input = by_input(k));
+        for (k, found) in moderated(&rows)[0].iter().enumerate() {
+            let ratio = found / variance(k);
+            assert!((0.6..1.6).contains(&ratio), "{k}: {ratio}");
         }
     }
 }

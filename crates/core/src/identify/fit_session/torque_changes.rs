@@ -8,7 +8,6 @@ use crate::plant::Plant;
 use crate::simulate::{Torque, TorqueResponses};
 
 use super::{FitSession, Model};
-use crate::identify::eliminated;
 use crate::identify::objective::Misfit;
 use crate::identify::problem::Prepared;
 
@@ -96,8 +95,7 @@ impl TorqueChanges<'_> {
             }
             row += targets.iter().map(|target| if target.real { 1 } else { 2 }).sum::<usize>();
         }
-        let directions = &weights.eliminated;
-        changes.iter_mut().for_each(|c| eliminated::eliminate(directions, c.as_mut_slice()));
+        changes.iter_mut().for_each(|change| weights.reduce(change.as_mut_slice()));
         Some(changes)
     }
 }

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
+use super::measured_input::OfInput;
 use super::weights::Weights;
 use crate::answers::NoiseSource;
 use crate::identify::problem::{Prepared, Problem, Target};
 use crate::identify::variance_shrinkage::{Cell, law_of, weighting_variances};
-use crate::measurement::{Complex, Experiment};
+use crate::measurement::{Complex, Experiment, Repeat};
 use crate::plant::Plant;
 use crate::simulate;
 
@@ -37,7 +38,7 @@ pub(super) fn from_scatter(
     let input_scatters = experiments
         .iter()
         .any(|e| e.repeats.iter().any(|r| r.input.iter().any(|u| u.norm() > 0.0)));
-    let rows: Vec<Vec<Cell>> = experiments
+    let of_experiments: Vec<(Vec<Cell>, Option<OfInput>)> = experiments
         .par_iter()
         .zip(&problem.experiments)
         .enumerate()
@@ -45,9 +46,15 @@ pub(super) fn from_scatter(
             cells(index, experiment, prepared, problem, model.filter(|_| input_scatters))
         })
         .collect();
+    let (rows, of_input): (Vec<Vec<Cell>>, Vec<Option<OfInput>>) =
+        of_experiments.into_iter().unzip();
     let scale_dof = rows.iter().flatten().map(|cell| cell.dof).sum();
     let scatter_law = law_of(&rows);
     let moderated = weighting_variances(&rows, scatter_law);
+    let each = of_input.iter().zip(&problem.experiments).zip(&moderated);
+    let correlations = each
+        .map(|((of_input, prepared), whole)| Some(of_input.as_ref()?.correlation(prepared, whole)))
+        .collect();
     let sigma = moderated
         .into_iter()
         .zip(experiments)
@@ -66,32 +73,45 @@ pub(super) fn from_scatter(
         scatter_law,
         scatter: rows,
         eliminated: Vec::new(),
+        correlations,
+        larger: Vec::new(),
     }
 }
 
-/// The variance of a single repeat, for every target of an experiment.
+/// The variance of a single repeat, for every target of an experiment, and what noise of the input adds
+/// to it.
 fn cells(
     index: usize,
     experiment: &Experiment,
     prepared: &Prepared,
     problem: &Problem,
     model: Option<&Plant>,
-) -> Vec<Cell> {
+) -> (Vec<Cell>, Option<OfInput>) {
     let repeats = experiment.repeats.len();
     let explained = explained_by_input(experiment, prepared, problem, model);
     let response_offset = |order: usize| experiment.response.iter().position(|h| h.order == order);
-    prepared
+    let own = |target: &Target| {
+        if target.constraint { None } else { response_offset(target.order) }
+    };
+    let places: Vec<Option<usize>> = prepared.targets.iter().map(own).collect();
+    let of_repeat = |repeat: &Repeat| -> Vec<Complex> {
+        let value = |place: &Option<usize>| {
+            place.map_or(Complex::ZERO, |i| repeat.response[i] / problem.response_scale)
+        };
+        places.iter().map(value).collect()
+    };
+    let measured: Vec<Vec<Complex>> = experiment.repeats.iter().map(of_repeat).collect();
+    let of_input = model.and_then(|plant| {
+        OfInput::of(experiment, (prepared, problem), plant, [&measured, &explained])
+    });
+    let cells = prepared
         .targets
         .iter()
         .enumerate()
         .map(|(t, target)| {
-            let own = if target.constraint { None } else { response_offset(target.order) };
             let sum: f64 = (0..repeats)
                 .map(|p| {
-                    let measured = own.map_or(Complex::new(0.0, 0.0), |i| {
-                        experiment.repeats[p].response[i] / problem.response_scale
-                    });
-                    let left = measured - explained[p][t];
+                    let left = measured[p][t] - explained[p][t];
                     if target.real { left.re * left.re } else { left.norm_sqr() }
                 })
                 .sum();
@@ -104,14 +124,16 @@ fn cells(
                 size: if target.constraint { 0.0 } else { target.value.norm() },
                 from_record: experiment.from_record,
                 variance: if dof > 0.0 { sum / dof } else { 0.0 },
+                by_input: of_input.as_ref().map_or(0.0, |of_input| of_input.variances[t]),
                 dof,
             }
         })
-        .collect()
+        .collect();
+    (cells, of_input)
 }
 
 /// The part of each target's deviation that the deviation of the input causes, by repeat.
-fn explained_by_input(
+pub(super) fn explained_by_input(
     experiment: &Experiment,
     prepared: &Prepared,
     problem: &Problem,

@@ -1,6 +1,7 @@
 //! The standard deviations that weight the data, and where they come from.
 
 use crate::answers::NoiseSource;
+use crate::identify::correlated::{self, Correlation};
 use crate::identify::eliminated::{self, Direction};
 use crate::identify::estimated_noise::EstimatedLaw;
 use crate::identify::problem::Problem;
@@ -31,12 +32,27 @@ pub(in super::super) struct Weights {
     pub scatter: Vec<Vec<Cell>>,
     /// What is eliminated from residuals with these standard deviations.
     pub eliminated: Vec<Direction>,
+    /// How the noise is correlated, by experiment; empty if it is not.
+    pub correlations: Vec<Option<Correlation>>,
+    /// The directions along which that makes the noise larger than `sigma` says.
+    pub larger: Vec<Direction>,
 }
 
 impl Weights {
     /// The same weights of a problem of which other numbers are not known, or with other deviations.
     pub fn eliminating(self, problem: &Problem) -> Self {
-        Self { eliminated: eliminated::directions(problem, &self.sigma), ..self }
+        Self {
+            eliminated: eliminated::directions(problem, &self.sigma),
+            larger: correlated::directions(problem, &self.correlations),
+            ..self
+        }
+    }
+
+    /// Takes from residuals, or their derivatives, in units of `sigma` what is eliminated, and scales
+    /// them along the directions in which the noise is larger.
+    pub fn reduce(&self, rows: &mut [f64]) {
+        eliminated::reduce(&self.larger, rows);
+        eliminated::reduce(&self.eliminated, rows);
     }
 
     /// Whether these weigh the data alike: the ratios of their standard deviations differ by no

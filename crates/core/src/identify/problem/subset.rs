@@ -47,6 +47,8 @@ impl Subset {
             sigma: sigma.iter().enumerate().map(|(e, all)| self.of(e, all)).collect(),
             scatter: scatter.iter().enumerate().map(|(e, all)| self.of(e, all)).collect(),
             eliminated: Vec::new(),
+            correlations: weights.correlations.clone(),
+            larger: Vec::new(),
             ..*weights
         }
         .eliminating(rest)
@@ -83,6 +85,8 @@ mod tests {
             scatter_law: None,
             scatter: Vec::new(),
             eliminated: Vec::new(),
+            correlations: Vec::new(),
+            larger: Vec::new(),
         };
         let subset = problem.subset(|_, target| target.order % 3 == 1);
         let rest = problem.only(&subset);

@@ -15,6 +15,8 @@ pub(in super::super) struct Cell {
     pub from_record: bool,
     /// The estimate, in squared units of the problem.
     pub variance: f64,
+    /// What noise of the input makes of it, if that is known: the rest follows from the data nearby.
+    pub by_input: f64,
     /// Its degrees of freedom; 0 if nothing was repeated.
     pub dof: f64,
 }

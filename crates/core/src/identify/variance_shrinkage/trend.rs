@@ -28,12 +28,36 @@ pub(super) fn trend(rows: &[Vec<Cell>], flat: &[Cell]) -> Vec<f64> {
             for (i, variance) in prior[start..start + row.len()].iter_mut().enumerate() {
                 let reach = (0.5 * NEIGHBOURHOOD_DOF / cells[i].dof).ceil() as usize;
                 let near = &cells[i.saturating_sub(reach)..(i + reach + 1).min(cells.len())];
-                *variance = pooled(near).unwrap_or(*variance);
+                *variance = from_neighbours(near, cells[i].by_input).unwrap_or(*variance);
             }
         }
         start += row.len();
     }
     prior
+}
+
+/// Steps of Fisher scoring with which the rest of the variances is estimated beside what noise of the
+/// input makes of them.
+const STEPS: usize = 8;
+
+/// A variance of which noise of the input makes a known part, the rest being that of its neighbours: the
+/// maximum of the likelihood of normal noise, by Fisher scoring.
+fn from_neighbours(near: &[Cell], by_input: f64) -> Option<f64> {
+    let mut rest = pooled(near)?;
+    if near.iter().all(|cell| cell.by_input == 0.0) {
+        return Some(rest);
+    }
+    for _ in 0..STEPS {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for cell in near {
+            let weight = cell.dof / (cell.by_input + rest).powi(2);
+            sum += weight * (cell.variance - cell.by_input);
+            weights += weight;
+        }
+        let next = sum / weights;
+        rest = if next.is_finite() { next.max(0.0) } else { rest };
+    }
+    Some(by_input + rest)
 }
 
 /// Fits the additive model ln σ² = magnitude effect + harmonic effect + experiment effect, by

@@ -107,7 +107,7 @@ mod tests {
             assert!(variance > LEAST_EIGENVALUE, "{variance}");
         }
         // Every second line is left: their correlation is that of the whole.
-        problem.experiments[0].targets.retain(|target| target.order % 2 == 0);
+        problem.experiments[0].targets.retain(|target| target.order.is_multiple_of(2));
         let fewer = directions(&problem, &[Some(correlation)]);
         let largest = fewer.iter().map(|direction| direction.kept().powi(-2)).fold(0.0, f64::max);
         // The mean, and the lines 2 to 10.

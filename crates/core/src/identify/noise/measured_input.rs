@@ -263,7 +263,7 @@ mod tests {
         let repeats = &measurement.experiments()[0].repeats;
         let part = |repeat: &Repeat, i: usize| {
             let value = repeat.response[i / 2] / problem.response_scale;
-            if i % 2 == 0 { value.re } else { value.im }
+            if i.is_multiple_of(2) { value.re } else { value.im }
         };
         let mean = |i: usize, j: usize| {
             repeats.iter().map(|r| part(r, i) * part(r, j)).sum::<f64>() / REPEATS as f64

@@ -23,6 +23,11 @@ const HIGHEST_CORRELATED: usize = 64;
 /// Lines of the input on either side that count for the variance of one: 60 degrees of freedom where
 /// there are three periods.
 const NEIGHBOURS: usize = 8;
+/// Fewest lines whose variances may show a slope.
+const FEWEST_FOR_SLOPE: usize = 5;
+/// Standard errors by which a slope must differ from none: noise alone does so once in a hundred times,
+/// with 17 lines.
+const STEEPEST: f64 = 3.0;
 /// Smallest share of the variance of the input's deviations, as the response passes them on, that must
 /// be noise of its sensor.
 const LEAST_SHARE: f64 = 0.05;
@@ -127,7 +132,9 @@ fn followed(targets: &[Target], measured: &[Vec<Complex>], explained: &[Vec<Comp
 }
 
 /// Variance of re and of im of each line of the input in a single repeat, in scale, from the lines
-/// around. The mean may drift, so that it is at least what it shows itself.
+/// around. The mean may drift, so that it is at least what it shows itself. `None` if the variance rises
+/// or falls along the lowest lines: a controller that feeds noise of the response back makes it do so,
+/// and the lines around tell nothing of the lowest one then.
 fn input_variances(experiment: &Experiment, scale: f64) -> Option<Vec<f64>> {
     let freedom = experiment.repeats.len().checked_sub(1).filter(|freedom| *freedom > 0)? as f64;
     let lines = experiment.input.len();
@@ -136,12 +143,34 @@ fn input_variances(experiment: &Experiment, scale: f64) -> Option<Vec<f64>> {
         squares.map(|u| u.norm_sqr()).sum::<f64>() / (scale * scale * freedom)
     };
     let own: Vec<f64> = (0..lines).map(own).collect();
+    if slopes(&own[1..lines.min(2 * NEIGHBOURS + 2)]) {
+        return None;
+    }
     let around = |k: usize| {
         let near = &own
             [k.saturating_sub(NEIGHBOURS).max(1).min(lines - 1)..(k + NEIGHBOURS + 1).min(lines)];
         near.iter().sum::<f64>() / (2.0 * near.len() as f64)
     };
     Some((0..lines).map(|k| if k == 0 { own[0].max(0.5 * around(1)) } else { around(k) }).collect())
+}
+
+/// Whether variances rise or fall with a power of their place, by a t test of the slope of a straight line
+/// through their logarithms.
+fn slopes(variances: &[f64]) -> bool {
+    let count = variances.len() as f64;
+    if variances.len() < FEWEST_FOR_SLOPE || variances.iter().any(|variance| *variance <= 0.0) {
+        return false;
+    }
+    let points = variances.iter().enumerate().map(|(i, v)| [(1.0 + i as f64).ln(), v.ln()]);
+    let points: Vec<[f64; 2]> = points.collect();
+    let mean = |of: usize| points.iter().map(|point| point[of]).sum::<f64>() / count;
+    let means = [mean(0), mean(1)];
+    let product = |a: usize, b: usize| -> f64 {
+        points.iter().map(|point| (point[a] - means[a]) * (point[b] - means[b])).sum()
+    };
+    let slope = product(0, 1) / product(0, 0);
+    let scatter = (product(1, 1) - slope * product(0, 1)).max(0.0) / (count - 2.0);
+    slope.abs() > STEEPEST * (scatter / product(0, 0)).sqrt()
 }
 
 /// The changes of the velocity when each part of each line of the input changes by a standard deviation.
@@ -286,5 +315,18 @@ mod tests {
     #[test]
     fn deviations_that_the_axis_follows_are_no_noise_of_the_sensor() {
         assert!(of_input(&recorded(), true).1.is_none());
+    }
+
+    // A controller behind an integrator: what it feeds back rises with the frequency.
+    #[test]
+    fn noise_of_an_input_that_rises_with_the_frequency_tells_nothing_of_the_lowest_lines() {
+        let sound = recorded();
+        let mut experiment = sound.experiments()[0].clone();
+        for repeat in &mut experiment.repeats {
+            repeat.input.iter_mut().enumerate().for_each(|(k, line)| *line *= k as f64);
+        }
+        let metadata = sound.metadata().clone();
+        let fed_back = Measurement::new(metadata, vec![experiment], Vec::new(), String::new());
+        assert!(of_input(&fed_back.unwrap(), false).1.is_none());
     }
 }

@@ -58,7 +58,8 @@ pub(crate) fn best(suspects: &Suspects<'_>, wanted: impl Fn(&Key) -> bool) -> Op
     }
     if experiments.len() > 1 {
         for start in search.starts_of_runs() {
-            search.fit_beside_run(&start);
+            search.fit_beside(&start, &OneRun::gains(experiments));
+            search.fit_beside(&start, &OneRun::phases(experiments));
         }
     }
     let faults = clipping::faults(experiments);
@@ -79,7 +80,10 @@ pub(super) fn another_run_beside_the_base_model(suspects: &Suspects<'_>) -> Opti
         return None;
     }
     let mut search = Search::of(suspects, |_| true)?;
-    search.fit_beside_run(suspects.session.base());
+    let base = suspects.session.base();
+    let experiments = suspects.session.measurement().experiments();
+    search.fit_beside(base, &OneRun::gains(experiments));
+    search.fit_beside(base, &OneRun::phases(experiments));
     search.best
 }
 
@@ -202,18 +206,6 @@ impl<'a> Search<'a> {
             evidence::complexity(suspects.session, start, &suspects.models.noise_scale);
         if let Some(found) = beside::best(suspects, start, self.least - complexity, faults) {
             self.consider(&found.session, &found.model, &[found.fault], found.price);
-        }
-    }
-
-    /// Fits a model beside another gain or another phase of one experiment. A model fitted to two of which
-    /// one is late lies between them, so that a lead of the other promises as much: each is tried.
-    fn fit_beside_run(&mut self, start: &Model) {
-        let experiments = self.suspects.session.measurement().experiments();
-        self.fit_beside(start, &OneRun::gains(experiments));
-        let phases = OneRun::phases(experiments);
-        let at_once = if phases.len() == 2 { 1 } else { phases.len().max(1) };
-        for some in phases.chunks(at_once) {
-            self.fit_beside(start, some);
         }
     }
 

@@ -142,24 +142,6 @@ mod tests {
         assert_eq!(found.verdict, Verdict::Adequate);
     }
 
-    // A delay of the machine, and the second experiment ahead by as much, would be the same.
-    #[test]
-    fn a_late_experiment_of_two_is_not_taken_for_a_late_machine() {
-        let values = [("load_inertia_fraction", 0.01), ("stiffness", 1.8), ("damping", 0.01)];
-        let sound = two_levels(&[Effect::new("flexible_mode", values)], 8);
-        let omega_rad_s = sound.experiments()[0].omega_rad_s;
-        let measurement = multiplied(&sound, |level, omega| match level {
-            0 => Complex::from_polar(1.0, -0.02 * omega / omega_rad_s),
-            _ => Complex::ONE,
-        });
-        let request = IdentifyRequest::default();
-        let found = crate::diagnose::diagnose(&measurement, &request, &Silent).unwrap();
-        let [fault] = found.measurement.as_slice() else { panic!("{:?}", found.measurement) };
-        assert_eq!((fault.fault, fault.experiment), (FaultKind::RunPhase, Some(0)));
-        let causes: Vec<&str> = found.causes.iter().map(|cause| &*cause.effect).collect();
-        assert_eq!(causes, ["flexible_mode"]);
-    }
-
     #[test]
     fn an_effect_behind_another_gain_at_one_level_is_named() {
         let found = answer(&[Effect::new("gain_asymmetry", [("gamma", 0.15)])], 1.1);

@@ -6,8 +6,8 @@
 
 use nalgebra::DMatrix;
 
-use super::eliminated::Direction;
-use super::problem::{Prepared, Problem};
+use super::direction::Direction;
+use super::problem::{Prepared, Problem, Target};
 
 /// Eigenvalues up to this change a standard deviation by less than a twentieth.
 const LEAST_EIGENVALUE: f64 = 1.1;
@@ -19,6 +19,15 @@ pub(super) struct Row {
     pub order: usize,
     /// Whether it is the imaginary part.
     pub imaginary: bool,
+}
+
+impl Row {
+    /// The one or two of a target.
+    pub fn of(target: &Target) -> impl Iterator<Item = Self> {
+        let order = target.order;
+        let parts: &[bool] = if target.real { &[false] } else { &[false, true] };
+        parts.iter().map(move |imaginary| Self { order, imaginary: *imaginary })
+    }
 }
 
 /// How the noise of some data of an experiment is correlated.
@@ -42,11 +51,15 @@ pub(super) fn directions(
     for (e, experiment) in problem.experiments.iter().enumerate() {
         let known = !experiment.unknown_jump && experiment.unknown_input.columns.is_empty();
         if let Some(correlation) = correlations.get(e).and_then(Option::as_ref).filter(|_| known) {
-            let own = correlation.larger(experiment);
-            directions
-                .extend(own.into_iter().map(|(rows, kept)| Direction::new(e, first, rows, kept)));
+            let own = correlation.larger(experiment).into_iter();
+            directions.extend(own.map(|(rows, kept)| Direction {
+                experiment: e,
+                first,
+                rows,
+                kept,
+            }));
         }
-        first += experiment.targets.iter().map(|t| if t.real { 1 } else { 2 }).sum::<usize>();
+        first += experiment.targets.iter().flat_map(Row::of).count();
     }
     directions
 }
@@ -55,12 +68,8 @@ impl Correlation {
     /// The directions in the rows of an experiment with these or some of these data, and what is kept of
     /// a residual along each.
     fn larger(&self, experiment: &Prepared) -> Vec<(Vec<f64>, f64)> {
-        let targets = experiment.targets.iter();
-        let rows = targets.flat_map(|t| {
-            let parts: &[bool] = if t.real { &[false] } else { &[false, true] };
-            parts.iter().map(|imaginary| Row { order: t.order, imaginary: *imaginary })
-        });
         let place = |row: Row| self.rows.iter().position(|own| *own == row);
+        let rows = experiment.targets.iter().flat_map(Row::of);
         let places: Vec<usize> = rows.map_while(place).collect();
         let size = places.len();
         if size == 0 {
@@ -101,15 +110,15 @@ mod tests {
         // An autoregression of 11 steps with 0.8 has two eigenvalues above 1.1.
         assert_eq!(found.len(), 2);
         for direction in &found {
-            let rows = nalgebra::DVector::from_column_slice(direction.rows());
+            let rows = nalgebra::DVector::from_column_slice(&direction.rows);
             let variance = rows.dot(&(&correlation.matrix * &rows));
-            assert!((direction.kept() - variance.sqrt().recip()).abs() < 1e-12);
+            assert!((direction.kept - variance.sqrt().recip()).abs() < 1e-12);
             assert!(variance > LEAST_EIGENVALUE, "{variance}");
         }
         // Every second line is left: their correlation is that of the whole.
         problem.experiments[0].targets.retain(|target| target.order.is_multiple_of(2));
         let fewer = directions(&problem, &[Some(correlation)]);
-        let largest = fewer.iter().map(|direction| direction.kept().powi(-2)).fold(0.0, f64::max);
+        let largest = fewer.iter().map(|direction| direction.kept.powi(-2)).fold(0.0, f64::max);
         // The mean, and the lines 2 to 10.
         let own = DMatrix::from_fn(6, 6, |i, j| 0.64_f64.powi((i as i32 - j as i32).abs()));
         assert!((largest - own.symmetric_eigen().eigenvalues.max()).abs() < 1e-12, "{largest}");

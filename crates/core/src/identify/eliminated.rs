@@ -13,43 +13,12 @@ use nalgebra::DMatrix;
 
 use crate::measurement::Complex;
 
+use super::direction::{Direction, take_from};
 use super::problem::{Prepared, Problem, Target};
 
 /// What the directions of an input that are left in the data may add to the response, rms, as a share of
 /// it: a tenth of the noise of a record of 60 dB.
 const LEFT_SHARE: f64 = 1e-4;
-
-/// A direction in the data of one experiment, as a unit vector in units of the noise, along which less
-/// counts. Those of an experiment are orthogonal.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Direction {
-    experiment: usize,
-    /// The first row of the experiment.
-    first: usize,
-    /// One component for each of its rows.
-    rows: Vec<f64>,
-    /// What is kept of a residual along it: nothing of what is not known.
-    kept: f64,
-}
-
-impl Direction {
-    /// A direction in the first rows of an experiment, the first of which is given.
-    pub(super) fn new(experiment: usize, first: usize, rows: Vec<f64>, kept: f64) -> Self {
-        Self { experiment, first, rows, kept }
-    }
-
-    /// One component for each of the experiment's first rows.
-    #[cfg(test)]
-    pub(super) fn rows(&self) -> &[f64] {
-        &self.rows
-    }
-
-    /// What is kept of a residual along it.
-    #[cfg(test)]
-    pub(super) fn kept(&self) -> f64 {
-        self.kept
-    }
-}
 
 /// The directions of all that is not known, given the standard deviation of every target.
 pub(super) fn directions(problem: &Problem, sigma: &[Vec<f64>]) -> Vec<Direction> {
@@ -58,7 +27,12 @@ pub(super) fn directions(problem: &Problem, sigma: &[Vec<f64>]) -> Vec<Direction
     for (e, (experiment, sigma)) in problem.experiments.iter().zip(sigma).enumerate() {
         let count: usize = experiment.targets.iter().map(|t| if t.real { 1 } else { 2 }).sum();
         let own = orthogonal(experiment, sigma);
-        directions.extend(own.into_iter().map(|rows| Direction::new(e, first, rows, 0.0)));
+        directions.extend(own.into_iter().map(|rows| Direction {
+            experiment: e,
+            first,
+            rows,
+            kept: 0.0,
+        }));
         first += count;
     }
     directions
@@ -125,23 +99,6 @@ fn unit(mut rows: Vec<f64>) -> Option<Vec<f64>> {
     (size > 0.0 && size.is_finite()).then_some(rows)
 }
 
-fn take_from(rows: &mut [f64], direction: &[f64]) {
-    take_share_from(rows, direction, 1.0);
-}
-
-fn take_share_from(rows: &mut [f64], direction: &[f64], share: f64) {
-    let along: f64 = rows.iter().zip(direction).map(|(value, own)| value * own).sum();
-    let taken = share * along;
-    rows.iter_mut().zip(direction).for_each(|(value, own)| *value -= taken * own);
-}
-
-/// Takes from a vector over all rows what does not count along these directions.
-pub(super) fn reduce(directions: &[Direction], vector: &mut [f64]) {
-    for Direction { first, rows, kept, .. } in directions {
-        take_share_from(&mut vector[*first..first + rows.len()], rows, 1.0 - kept);
-    }
-}
-
 /// What the unknown numbers that fit best add to each predicted target of an experiment, in scale.
 pub(super) fn added(
     directions: &[Direction],
@@ -167,6 +124,7 @@ pub(super) fn added(
 
 #[cfg(test)]
 mod tests {
+    use super::super::direction::reduce;
     use super::super::model_fit::fit_base;
     use super::super::noise::weights;
     use super::super::request::IdentifyRequest;

@@ -13,6 +13,7 @@ pub mod bee_colony;
 mod closed_form;
 mod corrected;
 mod correlated;
+mod direction;
 mod effect_coordinates;
 mod eliminated;
 mod estimated_input;

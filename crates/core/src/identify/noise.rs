@@ -14,6 +14,7 @@
 //! response to the deviation of the input, including shifted switching times: σ² = σ_Y² +
 //! |∂Y/∂U|²·σ_U² − 2 Re(conj(∂Y/∂U)·σ_UY), summed over all lines.
 
+mod input_spectrum;
 mod measured_input;
 mod scatter;
 mod weights;
@@ -69,7 +70,7 @@ fn deviations(
         scatter: Vec::new(),
         eliminated: Vec::new(),
         correlations: Vec::new(),
-        larger: Vec::new(),
+        noisier: Vec::new(),
     };
     if options.weights == Weighting::Response {
         return uniform(1.0, NoiseSource::Estimated);

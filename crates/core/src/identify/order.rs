@@ -157,7 +157,7 @@ mod tests {
                     scatter: Vec::new(),
                     eliminated: Vec::new(),
                     correlations: Vec::new(),
-                    larger: Vec::new(),
+                    noisier: Vec::new(),
                 };
                 let cost = costs[usize::from(order)] * data;
                 Fitted { order, coordinates, point, weights, cost, stages: Vec::new() }

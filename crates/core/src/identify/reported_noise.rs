@@ -14,11 +14,7 @@ pub(super) fn reported(weights: &Weights, problem: &Problem) -> Option<NoiseLaw>
         return of(estimated.law, estimated.intervals, unit);
     }
     // The datum is the mean of the repeats.
-    let mean = |cell: &Cell| Cell {
-        variance: cell.variance / cell.repeats(),
-        by_input: cell.by_input / cell.repeats(),
-        ..*cell
-    };
+    let mean = |cell: &Cell| Cell { variance: cell.variance / cell.repeats(), ..*cell };
     let rows: Vec<Vec<Cell>> =
         weights.scatter.iter().map(|row| row.iter().map(mean).collect()).collect();
     let law = describing_law(&rows)?;

@@ -11,6 +11,7 @@
 
 use nalgebra::DMatrix;
 
+use super::input_spectrum::input_variances;
 use crate::identify::correlated::{Correlation, Row};
 use crate::identify::problem::{Prepared, Problem, Target};
 use crate::measurement::{Complex, Experiment};
@@ -20,14 +21,6 @@ use crate::simulate;
 /// Highest line whose correlation is computed. Effects show at low lines, and at high ones most noise is
 /// of the response itself.
 const HIGHEST_CORRELATED: usize = 64;
-/// Lines of the input on either side that count for the variance of one: 60 degrees of freedom where
-/// there are three periods.
-const NEIGHBOURS: usize = 8;
-/// Fewest lines whose variances may show a slope.
-const FEWEST_FOR_SLOPE: usize = 5;
-/// Standard errors by which a slope must differ from none: noise alone does so once in a hundred times,
-/// with 17 lines.
-const STEEPEST: f64 = 3.0;
 /// Smallest share of the variance of the input's deviations, as the response passes them on, that must
 /// be noise of its sensor.
 const LEAST_SHARE: f64 = 0.05;
@@ -60,15 +53,12 @@ impl OfInput {
         let low: Vec<&Target> =
             prepared.targets.iter().take_while(|t| t.order <= HIGHEST_CORRELATED).collect();
         let changes = changes(prepared, plant, &variances)?;
-        let parts = low.iter().flat_map(|t| {
-            let parts: &[bool] = if t.real { &[false] } else { &[false, true] };
-            parts.iter().map(|imaginary| (*t, *imaginary))
-        });
-        let parts: Vec<(&Target, bool)> = parts.collect();
+        let parts = low.iter().flat_map(|t| Row::of(t).map(move |row| (*t, row)));
+        let parts: Vec<(&Target, Row)> = parts.collect();
         let jacobian = DMatrix::from_fn(parts.len(), changes.len(), |i, j| {
-            let (target, imaginary) = parts[i];
+            let (target, row) = parts[i];
             let change = changes[j][target.order] * target.per_velocity;
-            if imaginary { change.im } else { change.re }
+            if row.imaginary { change.im } else { change.re }
         });
         let covariance = share * &jacobian * jacobian.transpose();
         let linear = |t: &Target| {
@@ -82,16 +72,13 @@ impl OfInput {
             if t.order > HIGHEST_CORRELATED {
                 return linear(t);
             }
-            let count = if t.real { 1 } else { 2 };
+            let count = Row::of(t).count();
             row += count;
             (row - count..row).map(|i| covariance[(i, i)]).sum::<f64>() / count as f64
         };
         Some(Self {
             variances: prepared.targets.iter().map(variance).collect(),
-            rows: parts
-                .into_iter()
-                .map(|(t, imaginary)| Row { order: t.order, imaginary })
-                .collect(),
+            rows: parts.into_iter().map(|(_, row)| row).collect(),
             covariance,
         })
     }
@@ -99,8 +86,7 @@ impl OfInput {
     /// The correlation of the lowest targets, given the whole variance of each in a single repeat.
     pub fn correlation(&self, prepared: &Prepared, whole: &[f64]) -> Correlation {
         let by_row = prepared.targets.iter().zip(whole);
-        let by_row =
-            by_row.flat_map(|(t, whole)| std::iter::repeat_n(*whole, if t.real { 1 } else { 2 }));
+        let by_row = by_row.flat_map(|(t, whole)| Row::of(t).map(move |_| *whole));
         // What the input passes on cannot be more than the whole.
         let std: Vec<f64> = by_row
             .zip(self.covariance.diagonal().iter())
@@ -129,48 +115,6 @@ fn followed(targets: &[Target], measured: &[Vec<Complex>], explained: &[Vec<Comp
         }
     }
     if square > 0.0 { along / square } else { 1.0 }
-}
-
-/// Variance of re and of im of each line of the input in a single repeat, in scale, from the lines
-/// around. The mean may drift, so that it is at least what it shows itself. `None` if the variance rises
-/// or falls along the lowest lines: a controller that feeds noise of the response back makes it do so,
-/// and the lines around tell nothing of the lowest one then.
-fn input_variances(experiment: &Experiment, scale: f64) -> Option<Vec<f64>> {
-    let freedom = experiment.repeats.len().checked_sub(1).filter(|freedom| *freedom > 0)? as f64;
-    let lines = experiment.input.len();
-    let own = |k: usize| {
-        let squares = experiment.repeats.iter().filter_map(|repeat| repeat.input.get(k));
-        squares.map(|u| u.norm_sqr()).sum::<f64>() / (scale * scale * freedom)
-    };
-    let own: Vec<f64> = (0..lines).map(own).collect();
-    if slopes(&own[1..lines.min(2 * NEIGHBOURS + 2)]) {
-        return None;
-    }
-    let around = |k: usize| {
-        let near = &own
-            [k.saturating_sub(NEIGHBOURS).max(1).min(lines - 1)..(k + NEIGHBOURS + 1).min(lines)];
-        near.iter().sum::<f64>() / (2.0 * near.len() as f64)
-    };
-    Some((0..lines).map(|k| if k == 0 { own[0].max(0.5 * around(1)) } else { around(k) }).collect())
-}
-
-/// Whether variances rise or fall with a power of their place, by a t test of the slope of a straight line
-/// through their logarithms.
-fn slopes(variances: &[f64]) -> bool {
-    let count = variances.len() as f64;
-    if variances.len() < FEWEST_FOR_SLOPE || variances.iter().any(|variance| *variance <= 0.0) {
-        return false;
-    }
-    let points = variances.iter().enumerate().map(|(i, v)| [(1.0 + i as f64).ln(), v.ln()]);
-    let points: Vec<[f64; 2]> = points.collect();
-    let mean = |of: usize| points.iter().map(|point| point[of]).sum::<f64>() / count;
-    let means = [mean(0), mean(1)];
-    let product = |a: usize, b: usize| -> f64 {
-        points.iter().map(|point| (point[a] - means[a]) * (point[b] - means[b])).sum()
-    };
-    let slope = product(0, 1) / product(0, 0);
-    let scatter = (product(1, 1) - slope * product(0, 1)).max(0.0) / (count - 2.0);
-    slope.abs() > STEEPEST * (scatter / product(0, 0)).sqrt()
 }
 
 /// The changes of the velocity when each part of each line of the input changes by a standard deviation.

@@ -74,7 +74,7 @@ pub(super) fn from_scatter(
         scatter: rows,
         eliminated: Vec::new(),
         correlations,
-        larger: Vec::new(),
+        noisier: Vec::new(),
     }
 }
 
@@ -101,7 +101,7 @@ fn cells(
         places.iter().map(value).collect()
     };
     let measured: Vec<Vec<Complex>> = experiment.repeats.iter().map(of_repeat).collect();
-    let of_input = model.and_then(|plant| {
+    let of_input = model.filter(|_| experiment.from_record).and_then(|plant| {
         OfInput::of(experiment, (prepared, problem), plant, [&measured, &explained])
     });
     let cells = prepared

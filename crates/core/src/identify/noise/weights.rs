@@ -2,7 +2,8 @@
 
 use crate::answers::NoiseSource;
 use crate::identify::correlated::{self, Correlation};
-use crate::identify::eliminated::{self, Direction};
+use crate::identify::direction::{self, Direction};
+use crate::identify::eliminated;
 use crate::identify::estimated_noise::EstimatedLaw;
 use crate::identify::problem::Problem;
 use crate::identify::variance_law::VarianceLaw;
@@ -35,7 +36,7 @@ pub(in super::super) struct Weights {
     /// How the noise is correlated, by experiment; empty if it is not.
     pub correlations: Vec<Option<Correlation>>,
     /// The directions along which that makes the noise larger than `sigma` says.
-    pub larger: Vec<Direction>,
+    pub noisier: Vec<Direction>,
 }
 
 impl Weights {
@@ -43,7 +44,7 @@ impl Weights {
     pub fn eliminating(self, problem: &Problem) -> Self {
         Self {
             eliminated: eliminated::directions(problem, &self.sigma),
-            larger: correlated::directions(problem, &self.correlations),
+            noisier: correlated::directions(problem, &self.correlations),
             ..self
         }
     }
@@ -51,8 +52,8 @@ impl Weights {
     /// Takes from residuals, or their derivatives, in units of `sigma` what is eliminated, and scales
     /// them along the directions in which the noise is larger.
     pub fn reduce(&self, rows: &mut [f64]) {
-        eliminated::reduce(&self.larger, rows);
-        eliminated::reduce(&self.eliminated, rows);
+        direction::reduce(&self.noisier, rows);
+        direction::reduce(&self.eliminated, rows);
     }
 
     /// Whether these weigh the data alike: the ratios of their standard deviations differ by no

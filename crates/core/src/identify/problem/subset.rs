@@ -48,7 +48,7 @@ impl Subset {
             scatter: scatter.iter().enumerate().map(|(e, all)| self.of(e, all)).collect(),
             eliminated: Vec::new(),
             correlations: weights.correlations.clone(),
-            larger: Vec::new(),
+            noisier: Vec::new(),
             ..*weights
         }
         .eliminating(rest)
@@ -86,7 +86,7 @@ mod tests {
             scatter: Vec::new(),
             eliminated: Vec::new(),
             correlations: Vec::new(),
-            larger: Vec::new(),
+            noisier: Vec::new(),
         };
         let subset = problem.subset(|_, target| target.order % 3 == 1);
         let rest = problem.only(&subset);

@@ -260,17 +260,4 @@ mod tests {
     fn deviations_that_the_axis_follows_are_no_noise_of_the_sensor() {
         assert!(of_input(&recorded(), true).1.is_none());
     }
-
-    // A controller behind an integrator: what it feeds back rises with the frequency.
-    #[test]
-    fn noise_of_an_input_that_rises_with_the_frequency_tells_nothing_of_the_lowest_lines() {
-        let sound = recorded();
-        let mut experiment = sound.experiments()[0].clone();
-        for repeat in &mut experiment.repeats {
-            repeat.input.iter_mut().enumerate().for_each(|(k, line)| *line *= k as f64);
-        }
-        let metadata = sound.metadata().clone();
-        let fed_back = Measurement::new(metadata, vec![experiment], Vec::new(), String::new());
-        assert!(of_input(&fed_back.unwrap(), false).1.is_none());
-    }
 }
